@@ -1,0 +1,1 @@
+"""Strobe, stopwatch and the person who reads them."""

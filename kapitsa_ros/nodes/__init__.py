@@ -1,0 +1,1 @@
+"""The ROS graph: one thin file a node."""

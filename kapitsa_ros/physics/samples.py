@@ -1,0 +1,51 @@
+"""Sampled motions: what travels between the rooms in blocks of one communication step."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.errors import PivotError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A motion and its first two derivatives at N + 1 equidistant times, both ends of the block included.
+
+    A block stands on its own: nothing is assumed of its neighbours, so accelerations may jump from one to the next.
+    Positions are metres (pivot) or radians (pendulum), time is in seconds.
+
+    Raises
+    ------
+    PivotError
+        Arrays of unequal size or fewer than two samples, values that are not finite, a period that is not positive.
+
+    """
+
+    period: float
+    """Seconds from one sample to the next."""
+    position: NDArray[np.float64]
+    """Shape (N + 1,)."""
+    rate: NDArray[np.float64]
+    """First derivative, shape (N + 1,)."""
+    acceleration: NDArray[np.float64]
+    """Second derivative, shape (N + 1,)."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.period) and self.period > 0):
+            raise PivotError(f'sample period is {self.period} s: it must be positive')
+        sizes = {array.shape for array in (self.position, self.rate, self.acceleration)}
+        if len(sizes) != 1 or self.position.ndim != 1 or self.position.size < 2:
+            raise PivotError(f'position, rate and acceleration have shapes {sorted(sizes)}: one size, two samples or more')
+        if not all(np.isfinite(array).all() for array in (self.position, self.rate, self.acceleration)):
+            raise PivotError('a motion sample is not finite')
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the first sample to the last."""
+        return self.period * (self.position.size - 1)

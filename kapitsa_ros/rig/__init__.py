@@ -1,0 +1,1 @@
+"""Start, drive and stop the graph as processes; the command line."""

@@ -1,0 +1,69 @@
+"""Build kapitsa_ros for pip and for colcon alike."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = 'kapitsa_ros'
+SHARE = Path('share') / NAME
+
+
+def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
+    """Map every file below `folder` to the same place below share/kapitsa_ros."""
+    files: dict[str, list[str]] = {}
+    for path in sorted(Path(folder).rglob('*')):
+        if path.is_file():
+            files.setdefault(str(SHARE / path.parent), []).append(str(path))
+    return list(files.items())
+
+
+CORE = [
+    'click>=8.1',
+    'mcap>=1.1',
+    'numba>=0.59',
+    'numpy>=1.26',
+    'pint>=0.22',
+    'pyyaml>=6.0',
+    'rich>=13.0',
+    'ros-jazzy-common-interfaces>=5.3',
+    'ros-jazzy-domain-coordinator>=0.12',
+    'ros-jazzy-rclpy[fastrtps]>=7.1',
+    'rosbags==0.11.9',  # recording/ closes chunks through its storage objects
+    'scipy>=1.11',
+]
+DEVELOPMENT = [
+    'colcon-common-extensions',
+    'hypothesis',
+    'mypy',
+    'pytest<9',
+    'pytest-xdist',
+    'ruff',
+    'setuptools<80',  # colcon-core's limit
+    'types-PyYAML',
+    'wheel',
+]
+
+setup(
+    name=NAME,
+    version='0.1.0',
+    description="Kapitsa's inverted pendulum on a jigsaw: the 1997 laboratory as ROS 2 nodes",
+    long_description=Path('README.md').read_text(encoding='utf-8'),
+    long_description_content_type='text/markdown',
+    license='Apache-2.0',
+    maintainer='kapitsa_ros developers',
+    maintainer_email='kapitsa@example.org',
+    python_requires='>=3.11',
+    packages=find_packages(include=[NAME, f'{NAME}.*']),
+    package_data={NAME: ['py.typed']},
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
+        (str(SHARE), ['package.xml']),
+        (f'lib/{NAME}', sorted(str(path) for path in Path('scripts').iterdir())),
+        *installed_tree('config'),
+        *installed_tree('launch'),
+    ],
+    install_requires=CORE,
+    extras_require={'dev': DEVELOPMENT},
+    entry_points={'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main']},
+    zip_safe=False,
+)
