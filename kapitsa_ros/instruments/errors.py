@@ -2,7 +2,11 @@
 
 
 class InstrumentError(ValueError):
-    """An instrument cannot be set or used like this; the message names the setting and the mend."""
+    """An instrument cannot be used as asked; the message names the quantity and the mend."""
+
+
+class SettingsError(InstrumentError):
+    """An instrument set is unknown, or a parameter of it is missing, surplus or out of its range."""
 
 
 class ProtocolError(ValueError):
