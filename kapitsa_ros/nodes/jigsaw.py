@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
-from kapitsa_ros.nodes import topics
-from kapitsa_ros.nodes.conversions import decode_command, encode_samples
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, encode_samples
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
+from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import Stage, ends_session
 from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
@@ -56,7 +57,7 @@ class JigsawNode(Stage):
         self._commands: deque[tuple[Tick, Command]] = deque()
         self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
         self._next = Tick(1, 0)
-        self._view = self.create_publisher(Clock, '/clock', topics.VIEW)
+        self._view = self.create_publisher(Clock, '/clock', VIEW)
         self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
         self.latch_settings(
@@ -127,8 +128,7 @@ class JigsawNode(Stage):
 
     def _tell(self, tick: Tick, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
-        if not tick.end:
-            self._pace.count(self._clock.step)
+        self._pace.count(stamp / SECOND)
         if self._show.due():
             self._view.publish(Clock(clock=to_time(stamp)))
         if self._report.due() or tick.end:
