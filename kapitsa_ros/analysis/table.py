@@ -1,0 +1,134 @@
+"""Readings as the report tables them: forcing speeds and periods of the slow swing, with their errors."""
+
+from __future__ import annotations
+
+import csv
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.analysis.errors import TableError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+RPM = 2.0 * math.pi / 60.0
+"""rad/s in one revolution a minute."""
+
+PERIOD_SIGMA = 0.05
+"""s; the error of a period where none is given."""
+
+_REQUIRED = ('forcing_rpm', 'period_s')
+_OPTIONAL = {'forcing_sigma_rpm': 0.0, 'period_sigma_s': PERIOD_SIGMA}
+_FEWEST_CYCLES = 5.0  # of the forcing in a slow period: with fewer, no rod is stable at a stroke a saw could have
+_LONGEST_PERIOD = 30.0  # s
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Readings of several runs, shape (N,) each, SI units.
+
+    Raises
+    ------
+    TableError
+        Values no run can have, or units mixed up.
+
+    """
+
+    forcing: NDArray[np.float64]
+    """ω, rad/s."""
+    period: NDArray[np.float64]
+    """T of the slow swing, s."""
+    forcing_sigma: NDArray[np.float64]
+    """Standard error of ω, rad/s."""
+    period_sigma: NDArray[np.float64]
+    """Standard error of T, s."""
+
+    def __post_init__(self) -> None:
+        columns = (self.forcing, self.period, self.forcing_sigma, self.period_sigma)
+        if len({column.shape for column in columns}) != 1 or self.forcing.ndim != 1:
+            raise TableError('the columns are of unequal length: give every row all its values')
+        if not all(np.isfinite(column).all() for column in columns):
+            raise TableError('a value is not finite: leave out runs that gave no reading')
+        if (self.forcing <= 0.0).any() or (self.period <= 0.0).any():
+            raise TableError('a speed or a period is zero or negative: leave out runs that gave no reading')
+        if (self.forcing_sigma < 0.0).any() or (self.period_sigma < 0.0).any():
+            raise TableError('a standard error is negative')
+        cycles = self.forcing * self.period / (2.0 * math.pi)
+        if (cycles < _FEWEST_CYCLES).any():
+            raise TableError(
+                f'{cycles.min():.2g} turns of the shaft in a swing: the swing is slow and takes many. '
+                'Give the speed in RPM (not Hz or rad/s) and the period in seconds'
+            )
+        if (self.period > _LONGEST_PERIOD).any():
+            raise TableError(
+                f'a period of {self.period.max():g} s: give the period in seconds, neither milliseconds nor RPM'
+            )
+
+    @property
+    def slow(self) -> NDArray[np.float64]:
+        """Ω = 2π/T, rad/s."""
+        return 2.0 * math.pi / self.period
+
+
+def require_two_speeds(readings: Readings) -> None:
+    """Refuse readings through which no line can be drawn.
+
+    Raises
+    ------
+    TableError
+        Fewer than two rows, or all at one speed.
+
+    """
+    if readings.forcing.size < 2:
+        raise TableError(f'{readings.forcing.size} row(s): time the swing at two speeds or more')
+    if np.ptp(readings.forcing) <= 1e-9 * readings.forcing.max():
+        raise TableError('all speeds are equal: time the swing at another speed too')
+
+
+def read_table(path: Path) -> Readings:
+    """Read a CSV table with the columns forcing_rpm, period_s and, where known, forcing_sigma_rpm, period_sigma_s.
+
+    Raises
+    ------
+    TableError
+        The file is no such table, or its values are none that runs can have.
+
+    """
+    try:
+        with path.open(encoding='utf-8-sig', newline='') as file:
+            reader = csv.DictReader((line for line in file if line.strip() and not line.startswith('#')), strict=True)
+            names = [name.strip() for name in reader.fieldnames or []]
+            reader.fieldnames = names
+            rows = list(reader)
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise TableError(f'{path}: cannot be read as CSV ({error})') from error
+    missing = [name for name in _REQUIRED if name not in names]
+    if missing:
+        raise TableError(f'{path}: no column {", ".join(missing)} (found: {", ".join(names) or "none"})')
+    columns = {name: _column(path, rows, name, None) for name in _REQUIRED}
+    columns |= {name: _column(path, rows, name, default) for name, default in _OPTIONAL.items()}
+    return Readings(
+        forcing=columns['forcing_rpm'] * RPM,
+        period=columns['period_s'],
+        forcing_sigma=columns['forcing_sigma_rpm'] * RPM,
+        period_sigma=columns['period_sigma_s'],
+    )
+
+
+def _column(path: Path, rows: list[dict[str, str]], name: str, default: float | None) -> NDArray[np.float64]:
+    values = []
+    for number, row in enumerate(rows, start=1):
+        text = (row.get(name) or '').strip()
+        if not text and default is not None:
+            values.append(default)
+            continue
+        try:
+            values.append(float(text))
+        except ValueError as error:
+            raise TableError(f'{path}: row {number}: {name} is {text!r}: give a plain number') from error
+    return np.array(values, dtype=np.float64)

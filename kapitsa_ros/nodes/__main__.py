@@ -1,0 +1,63 @@
+"""`python -m kapitsa_ros.nodes NAME`: run one node until its session is over or a signal comes."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+import rclpy
+from rclpy._rclpy_pybind11 import RCLError  # a params file that cannot be parsed has no public type
+from rclpy.exceptions import ROSInterruptException
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+
+from kapitsa_ros.nodes.errors import NodeError, SettingError
+
+ROLES = ('jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player')
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the node named first; what follows are ROS arguments. Return the exit status."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments or arguments[0] not in ROLES:
+        given = repr(arguments[0]) if arguments else 'none'
+        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(ROLES)}', file=sys.stderr)
+        return 2
+    role = arguments[0]
+    try:
+        rclpy.init(args=arguments)
+        return _spin(role)
+    except SettingError as error:
+        print(f'{role}: error: {error}', file=sys.stderr)
+        return 2
+    except (NodeError, ValueError, OSError) as error:
+        print(f'{role}: error: {error}', file=sys.stderr)
+        return 1
+    except RCLError as error:
+        if not rclpy.ok():
+            return 0
+        print(f'{role}: error: {str(error).splitlines()[0]}', file=sys.stderr)
+        return 2
+    except (KeyboardInterrupt, ExternalShutdownException, ROSInterruptException):
+        return 0
+    finally:
+        rclpy.try_shutdown()
+
+
+def _spin(role: str) -> int:
+    node = import_module(f'kapitsa_ros.nodes.{role}').create()
+    executor = EventsExecutor()
+    executor.add_node(node)
+    try:
+        # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
+        while not node.finished and rclpy.ok():
+            executor.spin_once(timeout_sec=node.poll())
+    finally:
+        node.close()
+        executor.shutdown()
+        node.destroy_node()
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,138 @@
+"""The jigsaw: moves the pivot as commanded, and owns time.
+
+It emits the pivot's motion over step n when it has the command for step n, and the readers that acknowledge steps are
+no more than `in_flight` steps behind.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TYPE_CHECKING
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rosgraph_msgs.msg import Clock
+
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, encode_samples
+from kapitsa_ros.nodes.errors import NodeError, SettingError
+from kapitsa_ros.nodes.pace import Pace
+from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
+from kapitsa_ros.nodes.progress import progress_message
+from kapitsa_ros.nodes.qos import VIEW
+from kapitsa_ros.nodes.stage import Stage, ends_session
+from kapitsa_ros.nodes.view import Throttle, to_time
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.pivot import Jigsaw
+from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.instruments.operator import Command
+
+REPORT_PERIOD = 0.5
+"""Seconds of wall time between two reports of progress."""
+
+
+class JigsawNode(Stage):
+    """Executable `jigsaw`."""
+
+    def __init__(self) -> None:
+        super().__init__('jigsaw', reads=(topics.COMMAND, topics.RESULT, topics.WRITTEN), writes=(topics.PIVOT,))
+        step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
+        sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
+        self._clock = StepClock(round(step * SECOND))
+        self._count = round(step * sample_rate)
+        if self._clock.step_ns % self._count:
+            raise SettingError(f'parameter sample_rate: {sample_rate} Hz does not divide a step of {step} s into whole ns')
+        self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100)
+        self._plant = declare_plant(self, 'amplitude')
+        self._motion = {
+            'rod_ratio': declare(self, 'rod_ratio', 0.0, 'connecting rod over crank radius; 0: pure cosine', 0.0, 1e6),
+            'phase': declare(self, 'phase', 0.0, 'of the pivot when a run begins, rad; 0: bottom of the stroke', -10.0, 10.0),
+            'spin_up': declare(self, 'spin_up', 200.0, 'angular acceleration of the shaft, rad/s^2', 0.1, 1e5),
+            'max_speed': declare(self, 'max_speed', 5000 * RPM, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
+        }
+        self._pace = Pace(declare(self, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4))
+        self._jigsaw = self._at_rest()
+        self._commands: deque[tuple[Tick, Command]] = deque()
+        self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
+        self._next = Tick(1, 0)
+        self._view = self.create_publisher(Clock, '/clock', VIEW)
+        self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
+        self.latch_settings(
+            settings_text(
+                'jigsaw', amplitude=self._plant.amplitude, step=step, sample_rate=sample_rate, in_flight=self._in_flight,
+                versions=versions(), **self._motion,
+            )
+        )
+
+    def accept(self, topic: str, tick: Tick, raw: bytes) -> bool:
+        """Queue a command, or note an acknowledgement."""
+        if topic != topics.COMMAND.name:
+            self._acknowledged[topic] = tick
+            return True
+        if (tick.run, tick.step) < (self._next.run, self._next.step + len(self._commands)):
+            return False
+        command = decode_command(raw)
+        if not 0 <= command.speed <= self._motion['max_speed']:
+            fastest = self._motion['max_speed'] / RPM
+            raise NodeError(f'a command wants {command.speed / RPM:.0f} RPM: this jigsaw does 0 to {fastest:.0f} RPM')
+        self._commands.append((tick, command))
+        return True
+
+    def advance(self) -> float:
+        """Emit every step that is commanded, acknowledged and due."""
+        while not self.finished and self._may_go():
+            wait = self._pace.wait(self._clock.start_ns(self._next) / SECOND)
+            if wait > 0:
+                return wait
+            self._emit_step(*self._commands.popleft())
+        return IDLE
+
+    def _may_go(self) -> bool:
+        if not self._commands:
+            return False
+        tick = self._commands[0][0]
+        if (tick.run, tick.step) != (self._next.run, self._next.step):
+            raise NodeError(f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight')
+        return all(self._has_caught_up(ack) for ack in self._acknowledged.values())
+
+    def _has_caught_up(self, ack: Tick | None) -> bool:
+        """Whether a reader is close enough behind, and through with the run before."""
+        run, step = self._next.run, self._next.step
+        if step == 0:
+            return run == 1 or (ack is not None and ack.end and ack.run == run - 1)
+        behind = step - self._in_flight
+        return behind < 0 or (ack is not None and ack.run == run and ack.step >= behind)
+
+    def _emit_step(self, tick: Tick, command: Command) -> None:
+        stamp = self._clock.start_ns(tick)
+        if tick.end:
+            self.emit_silence(topics.PIVOT, tick, stamp)
+            self._jigsaw = self._at_rest()
+            self._next = Tick(tick.run + 1, 0)
+        else:
+            samples = self._jigsaw.advance(command.speed, self._clock.step, self._count)
+            self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
+            self._next = Tick(tick.run, tick.step + 1)
+        self._tell(tick, stamp)
+        if ends_session(tick):
+            self.finish()
+
+    def _at_rest(self) -> Jigsaw:
+        try:
+            return Jigsaw(amplitude=self._plant.amplitude, **self._motion)
+        except PhysicsError as error:
+            raise SettingError(f'parameter {error}') from error
+
+    def _tell(self, tick: Tick, stamp: int) -> None:
+        """Publish clock and progress, no more often than their readers need."""
+        self._pace.count(stamp / SECOND)
+        if self._show.due():
+            self._view.publish(Clock(clock=to_time(stamp)))
+        if self._report.due() or tick.end:
+            self._reports.publish(progress_message('jigsaw', tick, stamp, self._pace))
+
+
+create = JigsawNode

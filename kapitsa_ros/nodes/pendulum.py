@@ -1,0 +1,67 @@
+"""The pendulum: answers the pivot's motion over a step with its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header
+
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, decode_samples, encode_samples
+from kapitsa_ros.nodes.parameters import declare_plant, settings_text
+from kapitsa_ros.nodes.qos import VIEW
+from kapitsa_ros.nodes.stage import JoinedStage
+from kapitsa_ros.nodes.view import Throttle, to_time
+from kapitsa_ros.recording.wire import stamp_of
+from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.steps import SECOND
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.samples import Samples
+    from kapitsa_ros.physics.steps import Tick
+
+
+class PendulumNode(JoinedStage):
+    """Executable `pendulum`."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            'pendulum', reads=(topics.PIVOT, topics.COMMAND), writes=(topics.MOTION,), follows=(topics.COMMAND,)
+        )
+        self._plant = declare_plant(
+            self, 'length', 'gravity', 'damping', 'coulomb', 'clearance', 'restitution', 'inertia_factor'
+        )
+        self._pendulum = Pendulum(self._plant)
+        self._view = self.create_publisher(JointState, 'joint_states', VIEW)
+        self._throttle = Throttle()
+        self.latch_settings(settings_text('pendulum', plant=self._plant))
+
+    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+        """Move on by one step."""
+        pivot = messages[topics.PIVOT.name]
+        if tick.step == 0:
+            self._pendulum = Pendulum(self._plant)
+        hold = decode_command(messages[topics.COMMAND.name]).hold
+        if hold is None:
+            self._pendulum.release()
+        else:
+            self._pendulum.hold(hold)
+        shaken = decode_samples(pivot)
+        motion = self._pendulum.advance(shaken)
+        self.emit(topics.MOTION, encode_samples(stamp_of(pivot), tick, 'pendulum', motion))
+        if self._throttle.due():
+            self._show(stamp_of(pivot) + round(motion.duration * SECOND), shaken, motion)
+
+    def _show(self, stamp: int, pivot: Samples, motion: Samples) -> None:
+        self._view.publish(
+            JointState(
+                header=Header(stamp=to_time(stamp)),
+                name=['pivot', 'pendulum'],
+                position=[float(pivot.position[-1]), float(motion.position[-1])],
+                velocity=[float(pivot.rate[-1]), float(motion.rate[-1])],
+            )
+        )
+
+
+create = PendulumNode

@@ -1,0 +1,190 @@
+"""A node of the dataflow network: emits step n once it has its inputs for step n."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
+from rclpy.duration import Duration
+from rclpy.node import Node
+
+from kapitsa_ros.nodes.errors import NodeError
+from kapitsa_ros.nodes.join import Join
+from kapitsa_ros.nodes.parameters import declare
+from kapitsa_ros.nodes.peers import Peers
+from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
+from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
+from kapitsa_ros.recording.errors import WireError
+from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
+from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+IDLE = 1.0
+"""Seconds between two looks around when only messages give work."""
+LOOK_PERIOD = 0.05
+"""Seconds between two looks at the graph while peers are missing."""
+DRAIN = Duration(seconds=3)
+"""How long a node that has finished waits for its last messages to be taken."""
+
+
+class Stage(Node):
+    """Base of the eight nodes: numbered topics in and out, and peers to wait for.
+
+    Parameters
+    ----------
+    name
+        The role, one of `topics.NODES` or `player`.
+    reads, writes
+        Its numbered topics; those that an unexpected peer would write are left out.
+
+    """
+
+    def __init__(self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...]) -> None:
+        super().__init__(name)
+        expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
+        self.expected = frozenset(expect)
+        self.finished = False
+        self._failure: Exception | None = None
+        self._refused = 0
+        self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
+        self.writes = writes
+        self._out = {topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes}
+        for topic in self.reads:
+            self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
+        self._peers = Peers(self, writes, self.reads, self.expected)
+
+    # What a role adds.
+
+    def accept(self, topic: str, tick: Tick, raw: bytes) -> bool:
+        """Take a message in; return False if its step was there before."""
+        raise NotImplementedError
+
+    def advance(self) -> float:
+        """Do all steps whose inputs are there; return the seconds until the next call is due without a message."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Leave nothing half done: called once, however the node ends."""
+
+    # What every role has.
+
+    def latch_settings(self, text: str) -> None:
+        """Publish this node's settings for whoever records or analyses its runs, now or later."""
+        settings = message_class(SETTINGS_TYPE)
+        self.create_publisher(settings, settings_topic(self.get_name()), LATCHED).publish(settings(data=text))
+
+    def emit(self, topic: Topic, raw: bytes) -> None:
+        """Publish one message; a reader that is behind slows the writer, it does not break it."""
+        publisher = self._out[topic.name]
+        said = False
+        while True:
+            try:
+                publisher.publish(raw)
+            except RCLError:
+                if not self.context.ok():
+                    raise
+                if not said:
+                    readers = ', '.join(self._peers.readers(topic))
+                    self.get_logger().warning(f'{topic.name} is full: waiting for a reader that has stopped ({readers})')
+                    said = True
+                time.sleep(0.01)
+            else:
+                return
+
+    def emit_silence(self, topic: Topic, tick: Tick, stamp_ns: int) -> None:
+        """Publish a message that holds nothing but its number."""
+        self.emit(topic, encode_silence(topic.type, stamp_ns, tick))
+
+    def refuse(self, why: str) -> None:
+        """Count input that was not used, and say so once in a while."""
+        self._refused += 1
+        self.get_logger().warning(f'refused: {why} ({self._refused} so far)', throttle_duration_sec=5.0)
+
+    def finish(self) -> None:
+        """Leave once the last messages have been taken by their readers."""
+        for publisher in self._out.values():
+            publisher.wait_for_all_acked(DRAIN)
+        self.finished = True
+
+    def poll(self) -> float:
+        """Do what is due; return the seconds until the next call."""
+        if self._failure is not None:
+            raise self._failure
+        return self.advance() if self._peers.ready() else LOOK_PERIOD
+
+    def _taker(self, name: str) -> Callable[[bytes], None]:
+        def take(raw: bytes) -> None:
+            try:
+                if not self.accept(name, read_tick(raw), raw):
+                    self.refuse(f'a step of {name} that was there before')
+                elif self._peers.matched:
+                    self.advance()
+            except WireError as error:
+                self.refuse(f'{name}: {error}')
+            except (NodeError, ValueError, OSError) as error:
+                # An exception thrown through the executor would lose its type on the way.
+                self._failure = error
+
+        return take
+
+
+class JoinedStage(Stage):
+    """A stage that acts on one message of each of its topics a step.
+
+    Parameters
+    ----------
+    name, reads, writes
+        As for `Stage`.
+    follows
+        Those of `reads` whose writer may run ahead of the end of a run; see `Join`.
+
+    """
+
+    def __init__(
+        self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...], follows: tuple[Topic, ...] = ()
+    ) -> None:
+        super().__init__(name, reads=reads, writes=writes)
+        self._join = Join(
+            [topic.name for topic in self.reads if topic not in follows],
+            [topic.name for topic in self.reads if topic in follows],
+        )
+
+    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+        """Do one step; called in order, with the message of each topic."""
+        raise NotImplementedError
+
+    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
+        """Pass the end of a run on; called in place of `work`, with the messages of the topics that lead."""
+        for topic in self.writes:
+            self.emit_silence(topic, tick, stamp_ns)
+
+    def accept(self, topic: str, tick: Tick, raw: bytes) -> bool:
+        """Queue the message."""
+        return self._join.put(topic, tick, raw)
+
+    def advance(self) -> float:
+        """Do all steps that are complete."""
+        while not self.finished and (step := self._join.take()) is not None:
+            tick, messages = step
+            if tick.end:
+                self.end_run(tick, stamp_of(next(iter(messages.values()))), messages)
+                if ends_session(tick):
+                    self.finish()
+            else:
+                self.work(tick, messages)
+        return IDLE
+
+
+def ends_session(tick: Tick) -> bool:
+    """Whether a number says that no run will follow: a run that ends before its first step."""
+    return tick.end and tick.step == 0
+
+
+def seconds_of_run(stamp_ns: int, tick: Tick) -> float:
+    """Return the seconds of the run at a stamp."""
+    return (stamp_ns - tick.run * DAY) / SECOND
+
+

@@ -1,0 +1,71 @@
+"""Simulated time, counted in communication steps.
+
+Each run takes place on a day of its own: run n begins at n times 86,400 s. So no stamp is zero, stamps grow from run to
+run, and the stamps of one run depend on nothing that happened in another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+SECOND = 1_000_000_000
+DAY = 86_400 * SECOND
+
+
+@dataclass(frozen=True, slots=True)
+class Tick:
+    """The number of a message: one a topic and step."""
+
+    run: int
+    """Counts from 1; a reset begins the next."""
+    step: int
+    """Counts from 0 in each run."""
+    end: bool = False
+    """The run is over before this step: no data comes with it."""
+
+    def __str__(self) -> str:
+        """Return the form that travels in `header.frame_id`."""
+        return f'run {self.run} step {self.step} end' if self.end else f'run {self.run} step {self.step}'
+
+    @classmethod
+    def parse(cls, text: str) -> Tick:
+        """Read what `str` wrote.
+
+        Raises
+        ------
+        ValueError
+            The text is not the number of a step.
+
+        """
+        match text.split(' '):
+            case ['run', run, 'step', step, *rest] if rest in ([], ['end']) and run.isdecimal() and step.isdecimal():
+                return cls(int(run), int(step), end=bool(rest))
+            case _:
+                raise ValueError(f'{text!r} is not of the form "run 1 step 0"')
+
+    def follows(self, last: Tick | None) -> bool:
+        """Whether this number comes right after `last` (None: nothing was heard before)."""
+        if last is None or last.end:
+            return self.step == 0
+        return self.run == last.run and self.step == last.step + 1
+
+
+@dataclass(frozen=True, slots=True)
+class StepClock:
+    """Maps step numbers to simulated time."""
+
+    step_ns: int
+    """Length of a communication step, ns."""
+
+    def start_ns(self, tick: Tick) -> int:
+        """Return the simulated time at which a step begins, ns."""
+        return tick.run * DAY + tick.step * self.step_ns
+
+    def start(self, tick: Tick) -> float:
+        """Return the seconds from the start of the run to the start of the step."""
+        return tick.step * self.step_ns / SECOND
+
+    @property
+    def step(self) -> float:
+        """Length of a communication step, s."""
+        return self.step_ns / SECOND
