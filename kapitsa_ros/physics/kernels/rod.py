@@ -125,6 +125,8 @@ def _advance_by_pieces(
             angle[0] = state[ANGLE]
         else:
             _expand_angle(load, friction, step, plant, state, work)
+            if slipping:  # in balance but for the last bit: the motion starts with the third derivative
+                angle[2] = 0.0
 
         stop = _time_to_stop(angle, plant[STOP], left)
         change = _time_to_friction_change(load, angle, step, plant, state, left)
@@ -192,10 +194,7 @@ def _friction(
     state: NDArray[np.float64],
     slipping: bool,  # noqa: FBT001
 ) -> float:
-    """Settle whether the rod slides or sticks at the start of a piece, and return h² f sgn θ′.
-
-    A rod that begins to slip is in balance to the last bit: its series then starts with the third derivative, as it must.
-    """
+    """Settle whether the rod slides or sticks at the start of a piece, and return h² f sgn θ′."""
     grip = step * step * plant[COULOMB]
     if grip == 0.0:
         return 0.0
@@ -203,9 +202,7 @@ def _friction(
     if state[RATE] != 0.0:
         return math.copysign(grip, state[RATE])
     pull = torque(load[0], plant, state)
-    if slipping:
-        return pull
-    if abs(pull) > grip:
+    if slipping or abs(pull) > grip:
         return math.copysign(grip, pull)
     state[MODE] = STUCK
     return 0.0
@@ -226,10 +223,10 @@ def _time_to_friction_change(
         return NEVER
     if state[MODE] == STUCK:
         pull = load * torque(1.0, plant, state)
-        pull[0] -= grip
-        push = -pull
-        push[0] -= 2.0 * grip
-        return min(first_descent(-pull, left), first_descent(-push, left))
+        ahead, behind = -pull, pull
+        ahead[0] = max(ahead[0] + grip, 0.0)
+        behind[0] = max(behind[0] + grip, 0.0)
+        return min(first_descent(ahead, left), first_descent(behind, left))
     pace = np.empty(angle.size - 1)
     direction = 0.0
     for n in range(pace.size):

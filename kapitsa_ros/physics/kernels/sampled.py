@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ORDER = 13
-COARSEST = 3e-8
+COARSEST = 1e-7  # highest coefficient over the sum: keeps 1e-9 rad over ten seconds
+ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into that coefficient
 ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
 DONE, TOO_COARSE, TOO_THICK = range(3)
 
@@ -65,12 +66,8 @@ def advance_block(
     intervals = pivot.shape[1] - 1
     load = np.empty((intervals, weights.shape[1]))
     acceleration_series(weights, period, pivot[0], pivot[1], pivot[2], load)
-    for i in range(intervals):
-        scale = period * period * plant[GRAVITY]
-        for n in range(load.shape[1]):
-            scale += abs(load[i, n])
-        if abs(load[i, -1]) > COARSEST * scale:
-            return TOO_COARSE
+    if _too_coarse(load, period * period * plant[GRAVITY], pivot[0]):
+        return TOO_COARSE
     load[:, 0] += period * period * plant[GRAVITY]
 
     work = np.empty((WORK_ROWS, ORDER + 1))
@@ -84,6 +81,20 @@ def advance_block(
         at_end = load[i + 1, 0] if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
     return DONE
+
+
+@kernel
+def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.float64]) -> bool:
+    """Tell whether the series of the pivot's acceleration still has something to say where it ends."""
+    highest, rounding = 0.0, 0.0
+    for i in range(position.size):
+        rounding = max(rounding, ROUNDING * abs(position[i]))
+    for i in range(load.shape[0]):
+        total = weight
+        for n in range(load.shape[1]):
+            total += abs(load[i, n])
+        highest = max(highest, abs(load[i, -1]) - COARSEST * total)
+    return highest > rounding
 
 
 @kernel
