@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """The rod on a sampled pivot: one block of samples, each interval a polynomial of the pivot's motion."""
 
 from __future__ import annotations
