@@ -50,7 +50,8 @@ def test_the_order_of_the_interpolation_is_ten():
 
 
 def test_same_input_same_bytes():
-    first, second = (swing(PlantParameters(coulomb=0.7, clearance=2e-4), 2500 * RPM, 0.1, blocks=20)[1] for _ in range(2))
+    plant = PlantParameters(coulomb=0.7, clearance=2e-4)
+    first, second = (swing(plant, 2500 * RPM, 0.1, blocks=20)[1] for _ in range(2))
     assert first.tobytes() == second.tobytes()
 
 

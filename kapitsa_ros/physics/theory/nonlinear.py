@@ -57,8 +57,8 @@ def slow_frequency_nonlinear(plant: PlantParameters, speed: float, release: floa
     linear = slow_frequency_exact(plant, speed)
     if linear is None:
         raise PhysicsError(f'at {speed:.6g} rad/s the upright is not stable: there is no slow oscillation')
-    per_turn = 2.0 * math.pi * linear / speed
-    turns = min(max(FEWEST_TURNS, math.ceil(SWINGS * 2.0 * math.pi / per_turn)), MOST_TURNS)
+    rotation = linear / speed
+    turns = min(max(FEWEST_TURNS, math.ceil(SWINGS / min(rotation, 1.0 - 2.0 * rotation))), MOST_TURNS)
     orbit = _orbit(plant, speed, release, phase, turns)
     x1, r1, x2, r2 = half_period(mathieu_a(plant, speed), mathieu_q(plant))
     # Whole-period monodromy is [[·, 2 x₂r₂], [2 x₁r₁, ·]]: this scale makes the small orbits circles.
