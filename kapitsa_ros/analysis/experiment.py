@@ -10,7 +10,8 @@ import numpy as np
 from kapitsa_ros.analysis.errors import RunError, TableError
 from kapitsa_ros.analysis.reduction import inverse, ordinary
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
-from kapitsa_ros.physics.theory import omega_crit_averaged, omega_crit_exact
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

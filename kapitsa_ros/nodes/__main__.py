@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
 
@@ -50,13 +51,18 @@ def _spin(role: str) -> int:
     executor.add_node(node)
     try:
         # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
-        while not node.finished and rclpy.ok():
+        while not node.finished and rclpy.ok() and _rig_is_there():
             executor.spin_once(timeout_sec=node.poll())
     finally:
         node.close()
         executor.shutdown()
         node.destroy_node()
     return 0
+
+
+def _rig_is_there() -> bool:
+    """Whether the process that started this one as part of a rig, if one did, still runs."""
+    return os.environ.get('KAPITSA_RIG_PID', str(os.getppid())) == str(os.getppid())
 
 
 if __name__ == '__main__':

@@ -19,7 +19,7 @@ from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import VIEW
-from kapitsa_ros.nodes.stage import Stage, ends_session
+from kapitsa_ros.nodes.stage import IDLE, Stage, ends_session
 from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import Jigsaw
@@ -40,9 +40,9 @@ class JigsawNode(Stage):
         super().__init__('jigsaw', reads=(topics.COMMAND, topics.RESULT, topics.WRITTEN), writes=(topics.PIVOT,))
         step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
         sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
-        self._clock = StepClock(round(step * SECOND))
+        self._steps = StepClock(round(step * SECOND))
         self._count = round(step * sample_rate)
-        if self._clock.step_ns % self._count:
+        if self._steps.step_ns % self._count:
             raise SettingError(f'parameter sample_rate: {sample_rate} Hz does not divide a step of {step} s into whole ns')
         self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100)
         self._plant = declare_plant(self, 'amplitude')
@@ -84,7 +84,7 @@ class JigsawNode(Stage):
     def advance(self) -> float:
         """Emit every step that is commanded, acknowledged and due."""
         while not self.finished and self._may_go():
-            wait = self._pace.wait(self._clock.start_ns(self._next) / SECOND)
+            wait = self._pace.wait(self._steps.start_ns(self._next) / SECOND)
             if wait > 0:
                 return wait
             self._emit_step(*self._commands.popleft())
@@ -107,13 +107,13 @@ class JigsawNode(Stage):
         return behind < 0 or (ack is not None and ack.run == run and ack.step >= behind)
 
     def _emit_step(self, tick: Tick, command: Command) -> None:
-        stamp = self._clock.start_ns(tick)
+        stamp = self._steps.start_ns(tick)
         if tick.end:
             self.emit_silence(topics.PIVOT, tick, stamp)
             self._jigsaw = self._at_rest()
             self._next = Tick(tick.run + 1, 0)
         else:
-            samples = self._jigsaw.advance(command.speed, self._clock.step, self._count)
+            samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
             self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
             self._next = Tick(tick.run, tick.step + 1)
         self._tell(tick, stamp)

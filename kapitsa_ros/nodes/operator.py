@@ -26,7 +26,7 @@ class OperatorNode(JoinedStage):
         name = declare(self, 'protocol', '1997', 'name of a shipped protocol or path of a YAML file')
         self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the jigsaw is told the same', 1, 100)
         step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
-        self._clock = StepClock(round(step * SECOND))
+        self._steps = StepClock(round(step * SECOND))
         try:
             self._protocol = load_protocol(name)
         except ProtocolError as error:
@@ -63,12 +63,12 @@ class OperatorNode(JoinedStage):
         if speed is None:
             self._say(Tick(run, 0), Command(0.0, None, end=True))
             return
-        self._operator = Operator(self._protocol, speed, self._clock.step)
+        self._operator = Operator(self._protocol, speed, self._steps.step)
         for step in range(self._in_flight):
             self._say(Tick(run, step), self._operator.opening())
 
     def _say(self, tick: Tick, command: Command) -> None:
-        self.emit(topics.COMMAND, encode_command(self._clock.start_ns(tick), tick, command))
+        self.emit(topics.COMMAND, encode_command(self._steps.start_ns(tick), tick, command))
 
 
 create = OperatorNode

@@ -5,13 +5,12 @@ from __future__ import annotations
 import functools
 import json
 import math
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.parameters import PRESETS, PlantParameters, load_preset
+from kapitsa_ros.physics.parameters import PRESETS, load_preset
 from kapitsa_ros.units import parse_angle, parse_length, parse_speed
 
 if TYPE_CHECKING:
@@ -60,7 +59,7 @@ def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(command)
     def with_plant(*args: Any, preset: str, **kwargs: Any) -> Any:
-        overrides = {field.name: kwargs.pop(field.name) for field in fields(PlantParameters)}
+        overrides = {name: kwargs.pop(name) for name, _, _ in _PLANT_OPTIONS}
         return command(*args, plant=load_preset(preset, _given(overrides)), **kwargs)
 
     for name, kind, text in reversed(_PLANT_OPTIONS):
