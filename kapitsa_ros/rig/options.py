@@ -49,6 +49,8 @@ _PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (
     ('clearance', LENGTH, 'diametral play of the pivot hole, D'),
     ('restitution', float, 'restitution of impacts within the play, e'),
     ('inertia_factor', float, 'κ in k = κ·3/(2L)'),
+    ('wear', float, 'growth of the clearance, m per J/kg that impacts lose'),
+    ('failure_clearance', LENGTH, 'play at which the hole has worn through'),
 )
 
 
