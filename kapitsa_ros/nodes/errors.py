@@ -9,9 +9,5 @@ class SettingError(NodeError):
     """A parameter is wrong; the message names it and the mend."""
 
 
-class WireError(NodeError):
-    """A message is not what its topic promises."""
-
-
 class SequenceError(NodeError):
     """Steps came out of order, twice or not at all."""

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
-from kapitsa_ros.nodes import topics
-from kapitsa_ros.nodes.conversions import decode_command, encode_samples
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, encode_samples
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
-from kapitsa_ros.nodes.stage import Stage, ends_session
+from kapitsa_ros.nodes.qos import VIEW
+from kapitsa_ros.nodes.stage import IDLE, Stage, ends_session
 from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import Jigsaw
@@ -39,9 +40,9 @@ class JigsawNode(Stage):
         super().__init__('jigsaw', reads=(topics.COMMAND, topics.RESULT, topics.WRITTEN), writes=(topics.PIVOT,))
         step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
         sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
-        self._clock = StepClock(round(step * SECOND))
+        self._steps = StepClock(round(step * SECOND))
         self._count = round(step * sample_rate)
-        if self._clock.step_ns % self._count:
+        if self._steps.step_ns % self._count:
             raise SettingError(f'parameter sample_rate: {sample_rate} Hz does not divide a step of {step} s into whole ns')
         self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100)
         self._plant = declare_plant(self, 'amplitude')
@@ -56,7 +57,7 @@ class JigsawNode(Stage):
         self._commands: deque[tuple[Tick, Command]] = deque()
         self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
         self._next = Tick(1, 0)
-        self._view = self.create_publisher(Clock, '/clock', topics.VIEW)
+        self._view = self.create_publisher(Clock, '/clock', VIEW)
         self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
         self.latch_settings(
@@ -83,7 +84,7 @@ class JigsawNode(Stage):
     def advance(self) -> float:
         """Emit every step that is commanded, acknowledged and due."""
         while not self.finished and self._may_go():
-            wait = self._pace.wait(self._clock.start_ns(self._next) / SECOND)
+            wait = self._pace.wait(self._steps.start_ns(self._next) / SECOND)
             if wait > 0:
                 return wait
             self._emit_step(*self._commands.popleft())
@@ -106,13 +107,13 @@ class JigsawNode(Stage):
         return behind < 0 or (ack is not None and ack.run == run and ack.step >= behind)
 
     def _emit_step(self, tick: Tick, command: Command) -> None:
-        stamp = self._clock.start_ns(tick)
+        stamp = self._steps.start_ns(tick)
         if tick.end:
             self.emit_silence(topics.PIVOT, tick, stamp)
             self._jigsaw = self._at_rest()
             self._next = Tick(tick.run + 1, 0)
         else:
-            samples = self._jigsaw.advance(command.speed, self._clock.step, self._count)
+            samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
             self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
             self._next = Tick(tick.run, tick.step + 1)
         self._tell(tick, stamp)
@@ -127,8 +128,7 @@ class JigsawNode(Stage):
 
     def _tell(self, tick: Tick, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
-        if not tick.end:
-            self._pace.count(self._clock.step)
+        self._pace.count(stamp / SECOND)
         if self._show.due():
             self._view.publish(Clock(clock=to_time(stamp)))
         if self._report.due() or tick.end:

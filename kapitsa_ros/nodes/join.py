@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.physics.steps import Tick
 
+    _Queue = deque[tuple[int, Tick, bytes]]
+
 
 class Join:
     """Numbered messages of several topics, taken out a step at a time.
@@ -30,9 +32,10 @@ class Join:
     """
 
     def __init__(self, leading: Iterable[str], following: Iterable[str] = ()) -> None:
-        self._leading: dict[str, deque[tuple[Tick, bytes]]] = {topic: deque() for topic in leading}
-        self._following: dict[str, deque[tuple[Tick, bytes]]] = {topic: deque() for topic in following}
+        self._leading: dict[str, _Queue] = {topic: deque() for topic in leading}
+        self._following: dict[str, _Queue] = {topic: deque() for topic in following}
         self._last: dict[str, Tick] = {}
+        self._runs = dict.fromkeys((*self._leading, *self._following), 0)
 
     def put(self, topic: str, tick: Tick, raw: bytes) -> bool:
         """Take a message in; return False if its step has been seen before.
@@ -44,16 +47,16 @@ class Join:
 
         """
         last = self._last.get(topic)
-        if last is not None and (tick.run, tick.step) <= (last.run, last.step):
+        if last is not None and tick.run == last.run and tick.step <= last.step and not (last.end and tick.step == 0):
             return False
-        runs_ahead = topic in self._following and last is not None and tick.run == last.run + 1 and tick.step == 0
-        if not (tick.follows(last) or runs_ahead):
+        opens_next = topic in self._following and tick.step == 0
+        if not (tick.follows(last) or opens_next):
             if last is None:
-                raise SequenceError(f'joined late: {topic} is at {tick}; a role is taken before the run begins, or after a reset')
+                raise SequenceError(f'joined late: {topic} is at {tick}; a role is taken before a run begins')
             raise SequenceError(f'gap on {topic}: {tick} came after {last}')
         self._last[topic] = tick
-        queue = self._leading.get(topic)
-        (self._following[topic] if queue is None else queue).append((tick, raw))
+        self._runs[topic] += tick.step == 0
+        (self._leading | self._following)[topic].append((self._runs[topic], tick, raw))
         return True
 
     def take(self) -> tuple[Tick, dict[str, bytes]] | None:
@@ -63,17 +66,16 @@ class Join:
         """
         if not all(self._leading.values()):
             return None
-        ticks = {queue[0][0] for queue in self._leading.values()}
-        if len(ticks) != 1:
-            raise SequenceError(f'topics disagree: {", ".join(f"{topic} is at {queue[0][0]}" for topic, queue in self._leading.items())}')
-        (tick,) = ticks
-        beyond = (tick.run + 1, 0) if tick.end else (tick.run, tick.step)
+        heads = {topic: queue[0] for topic, queue in self._leading.items()}
+        run, tick, _ = next(iter(heads.values()))
+        if any(head[1] != tick for head in heads.values()):
+            raise SequenceError(f'topics disagree: {", ".join(f"{topic} is at {head[1]}" for topic, head in heads.items())}')
+        # Runs are told apart by their order, not by their number: bags may be played in any order.
+        here = (run + 1, 0) if tick.end else (run, tick.step)
         for queue in self._following.values():
-            while queue and (queue[0][0].run, queue[0][0].step) < beyond:
+            while queue and (queue[0][0], queue[0][1].step) < here:
                 queue.popleft()
-        queues = dict(self._leading)
-        if not tick.end:
-            if not all(queue and queue[0][0] == tick for queue in self._following.values()):
-                return None
-            queues |= self._following
-        return tick, {topic: queue.popleft()[1] for topic, queue in queues.items()}
+        queues = self._leading if tick.end else self._leading | self._following
+        if not all(queue and (tick.end or queue[0][1] == tick) for queue in queues.values()):
+            return None
+        return tick, {topic: queue.popleft()[2] for topic, queue in queues.items()}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import time
 
+NEXT_RUN = 10_000.0
+"""Seconds of simulated time: a leap this long leads to another run, which takes place on a day of its own."""
 LATE = 0.5
 """Seconds of wall time behind which lost time is given up instead of caught up."""
 
@@ -23,14 +25,14 @@ class Pace:
         """Seconds from the first step to the last, over all runs."""
         self._origin: tuple[float, float] | None = None
         self._first: float | None = None
-        self._last = 0.0
+        self._last = self._newest = 0.0
 
     def wait(self, simulated: float) -> float:
         """Return the wall seconds until the step that starts at `simulated` seconds is due; at most 0 when it is."""
         if self.rate == 0:
             return 0.0
         now = time.monotonic()
-        if self._origin is None or simulated - self._origin[1] > 1e4:  # a new run takes place on another day
+        if self._origin is None or abs(simulated - self._origin[1]) > NEXT_RUN:
             self._origin = (now, simulated)
         due = self._origin[0] + (simulated - self._origin[1]) / self.rate
         if now - due > LATE:
@@ -40,12 +42,13 @@ class Pace:
         return due - now
 
     def count(self, simulated: float) -> None:
-        """Note that a step of so many seconds is emitted now."""
+        """Note that a step that starts at `simulated` seconds is emitted now."""
         self._last = time.monotonic()
         if self._first is None:
             self._first = self._last
-        else:
-            self.simulated += simulated
+        elif simulated - self._newest < NEXT_RUN:
+            self.simulated += simulated - self._newest
+        self._newest = simulated
 
     @property
     def realtime_factor(self) -> float:

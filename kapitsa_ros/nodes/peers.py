@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from kapitsa_ros.nodes.topics import Topic
+    from kapitsa_ros.recording.topics import Topic
 
 PATIENCE = 3.0
 """Seconds before the first line about who is missing; each next one comes after twice the time."""

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from kapitsa_ros.nodes import topics
-from kapitsa_ros.nodes.conversions import decode_command, decode_samples, encode_samples, stamp_of
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, decode_samples, encode_samples
 from kapitsa_ros.nodes.parameters import declare_plant, settings_text
-from kapitsa_ros.nodes.stage import JoinedStage, ends_session
+from kapitsa_ros.nodes.qos import VIEW
+from kapitsa_ros.nodes.stage import JoinedStage
 from kapitsa_ros.nodes.view import Throttle, to_time
+from kapitsa_ros.recording.wire import stamp_of
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.steps import SECOND
 
@@ -31,19 +33,15 @@ class PendulumNode(JoinedStage):
             self, 'length', 'gravity', 'damping', 'coulomb', 'clearance', 'restitution', 'inertia_factor'
         )
         self._pendulum = Pendulum(self._plant)
-        self._view = self.create_publisher(JointState, 'joint_states', topics.VIEW)
+        self._view = self.create_publisher(JointState, 'joint_states', VIEW)
         self._throttle = Throttle()
         self.latch_settings(settings_text('pendulum', plant=self._plant))
 
     def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
         """Move on by one step."""
         pivot = messages[topics.PIVOT.name]
-        if tick.end:
+        if tick.step == 0:
             self._pendulum = Pendulum(self._plant)
-            self.emit_silence(topics.MOTION, tick, stamp_of(pivot))
-            if ends_session(tick):
-                self.finish()
-            return
         hold = decode_command(messages[topics.COMMAND.name]).hold
         if hold is None:
             self._pendulum.release()

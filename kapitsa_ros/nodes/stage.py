@@ -9,12 +9,14 @@ from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has n
 from rclpy.duration import Duration
 from rclpy.node import Node
 
-from kapitsa_ros.nodes.errors import NodeError, WireError
+from kapitsa_ros.nodes.errors import NodeError
 from kapitsa_ros.nodes.join import Join
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.peers import Peers
-from kapitsa_ros.nodes.topics import LATCHED, NODES, SETTINGS_TYPE, STREAM, Topic
-from kapitsa_ros.nodes.wire import encode_silence, read_tick
+from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
+from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
+from kapitsa_ros.recording.errors import WireError
+from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick
 
 if TYPE_CHECKING:
@@ -42,15 +44,16 @@ class Stage(Node):
 
     def __init__(self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...]) -> None:
         super().__init__(name)
-        expect = declare(self, 'expect', list(NODES), 'roles of the graph: no step is emitted before they are matched')
+        expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
         self.expected = frozenset(expect)
         self.finished = False
         self._failure: Exception | None = None
         self._refused = 0
-        self.reads = tuple(topic for topic in reads if topic.writer in self.expected)
-        self._out = {topic.name: self.create_publisher(topic.type, topic.name, STREAM) for topic in writes}
+        self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
+        self.writes = writes
+        self._out = {topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes}
         for topic in self.reads:
-            self.create_subscription(topic.type, topic.name, self._taker(topic.name), STREAM, raw=True)
+            self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
         self._peers = Peers(self, writes, self.reads, self.expected)
 
     # What a role adds.
@@ -70,8 +73,8 @@ class Stage(Node):
 
     def latch_settings(self, text: str) -> None:
         """Publish this node's settings for whoever records or analyses its runs, now or later."""
-        self._settings = self.create_publisher(SETTINGS_TYPE, f'{self.get_name()}/settings', LATCHED)
-        self._settings.publish(SETTINGS_TYPE(data=text))
+        settings = message_class(SETTINGS_TYPE)
+        self.create_publisher(settings, settings_topic(self.get_name()), LATCHED).publish(settings(data=text))
 
     def emit(self, topic: Topic, raw: bytes) -> None:
         """Publish one message; a reader that is behind slows the writer, it does not break it."""
@@ -150,8 +153,13 @@ class JoinedStage(Stage):
         )
 
     def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
-        """Do one step; called in order, with a message of each topic (at the end of a run: of those that lead)."""
+        """Do one step; called in order, with the message of each topic."""
         raise NotImplementedError
+
+    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
+        """Pass the end of a run on; called in place of `work`, with the messages of the topics that lead."""
+        for topic in self.writes:
+            self.emit_silence(topic, tick, stamp_ns)
 
     def accept(self, topic: str, tick: Tick, raw: bytes) -> bool:
         """Queue the message."""
@@ -160,7 +168,13 @@ class JoinedStage(Stage):
     def advance(self) -> float:
         """Do all steps that are complete."""
         while not self.finished and (step := self._join.take()) is not None:
-            self.work(*step)
+            tick, messages = step
+            if tick.end:
+                self.end_run(tick, stamp_of(next(iter(messages.values()))), messages)
+                if ends_session(tick):
+                    self.finish()
+            else:
+                self.work(tick, messages)
         return IDLE
 
 

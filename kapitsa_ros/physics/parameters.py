@@ -48,19 +48,27 @@ class PlantParameters:
     """e, of the impacts within the play."""
     inertia_factor: float = 1.0
     """κ: 1 for the ideal rod."""
+    wear: float = 0.0
+    """Growth of the clearance with the energy the impacts lose, m per J/kg of the relative motion (½(1 − e²)v²)."""
+    failure_clearance: float = 0.01
+    """m: play at which the hole has worn through and the rod comes off, as in 1997."""
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
             if not math.isfinite(value):
                 raise ParameterError(f'{name} is {value}: give a finite number')
-        for name in ('length', 'amplitude', 'gravity', 'inertia_factor'):
+        for name in ('length', 'amplitude', 'gravity', 'inertia_factor', 'failure_clearance'):
             if getattr(self, name) <= 0:
                 raise ParameterError(f'{name} is {getattr(self, name)}: it must be above 0')
-        for name in ('damping', 'coulomb', 'clearance'):
+        for name in ('damping', 'coulomb', 'clearance', 'wear'):
             if getattr(self, name) < 0:
                 raise ParameterError(f'{name} is {getattr(self, name)}: it must not be negative')
         if self.restitution > 1 or self.restitution < 0:
             raise ParameterError(f'restitution is {self.restitution}: it must lie in [0, 1]')
+        if self.clearance >= self.failure_clearance:
+            raise ParameterError(
+                f'clearance is {self.clearance} m: it must be below failure_clearance ({self.failure_clearance} m)',
+            )
 
     @property
     def k(self) -> float:

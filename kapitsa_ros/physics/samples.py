@@ -41,7 +41,9 @@ class Samples:
             raise PivotError(f'sample period is {self.period} s: it must be positive')
         sizes = {array.shape for array in (self.position, self.rate, self.acceleration)}
         if len(sizes) != 1 or self.position.ndim != 1 or self.position.size < 2:
-            raise PivotError(f'position, rate and acceleration have shapes {sorted(sizes)}: one size, two samples or more')
+            raise PivotError(
+                f'position, rate and acceleration have shapes {sorted(sizes)}: one size, two samples or more'
+            )
         if not all(np.isfinite(array).all() for array in (self.position, self.rate, self.acceleration)):
             raise PivotError('a motion sample is not finite')
 

@@ -44,11 +44,9 @@ class Tick:
                 raise ValueError(f'{text!r} is not of the form "run 1 step 0"')
 
     def follows(self, last: Tick | None) -> bool:
-        """Whether this number comes right after `last` (None: before the first run this listener saw)."""
-        if last is None:
+        """Whether this number comes right after `last` (None: nothing was heard before)."""
+        if last is None or last.end:
             return self.step == 0
-        if last.end:
-            return self.run == last.run + 1 and self.step == 0
         return self.run == last.run and self.step == last.step + 1
 
 

@@ -2,7 +2,7 @@
 
 All their types begin with a header, whose `frame_id` holds the number of the step; so the number can be read without
 knowing the type. A motion block is encoded from arrays: as Python objects its hundred points cost a hundred times as much.
-The bytes are those of rclpy itself (little-endian CDR), which the tests hold them against.
+The layout is little-endian CDR, as rclpy publishes it; the tests hold one against the other.
 """
 
 from __future__ import annotations
@@ -11,14 +11,9 @@ import struct
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.serialization import deserialize_message
-from sensor_msgs.msg import JointState, TimeReference
-from std_msgs.msg import Header
-from trajectory_msgs.msg import JointTrajectory
 
-from kapitsa_ros.nodes.errors import WireError
 from kapitsa_ros.physics.steps import SECOND, Tick
+from kapitsa_ros.recording.errors import WireError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -28,11 +23,11 @@ _LENGTH = struct.Struct('<I')
 _STAMP = struct.Struct('<iI')
 _TICK_AT = len(_ENCAPSULATION) + _STAMP.size + _LENGTH.size
 _EMPTY_BODY = {
-    JointState: bytes(16),  # four empty sequences
-    JointTrajectory: bytes(8),  # no joint, no point
-    DiagnosticArray: bytes(4),
-    Header: b'',
-    TimeReference: bytes(8) + b'\x01\x00\x00\x00\x00',  # time_ref 0, source ''
+    'sensor_msgs/msg/JointState': bytes(16),  # four empty sequences
+    'trajectory_msgs/msg/JointTrajectory': bytes(8),  # no joint, no point
+    'diagnostic_msgs/msg/DiagnosticArray': bytes(4),
+    'std_msgs/msg/Header': b'',
+    'sensor_msgs/msg/TimeReference': bytes(8) + b'\x01\x00\x00\x00\x00',  # time_ref 0, source ''
 }
 
 # From the first position of a point to the length before the next point's: every double is aligned to eight bytes, and
@@ -77,20 +72,26 @@ def read_tick(raw: bytes) -> Tick:
         raise WireError(f'not a numbered message: {error}') from error
 
 
+def stamp_of(raw: bytes) -> int:
+    """Return the header's stamp, ns."""
+    seconds, nanoseconds = _STAMP.unpack_from(raw, len(_ENCAPSULATION))
+    return int(seconds * SECOND + nanoseconds)
+
+
 def encode_header(stamp_ns: int, tick: Tick) -> bytes:
     """Encode encapsulation and header."""
     frame = str(tick).encode() + b'\x00'
     return _ENCAPSULATION + _STAMP.pack(*divmod(stamp_ns, SECOND)) + _LENGTH.pack(len(frame)) + frame
 
 
-def encode_silence(kind: type, stamp_ns: int, tick: Tick) -> bytes:
+def encode_silence(kind: str, stamp_ns: int, tick: Tick) -> bytes:
     """Encode a message that says nothing but its number."""
     head = encode_header(stamp_ns, tick)
     body = _EMPTY_BODY[kind]
     return head + bytes(_aligned(len(head), 4) if body else 0) + body
 
 
-def is_silence(kind: type, raw: bytes) -> bool:
+def is_silence(kind: str, raw: bytes) -> bool:
     """Whether a message of a type says nothing but its number."""
     (length,) = _LENGTH.unpack_from(raw, _TICK_AT - _LENGTH.size)
     head = _TICK_AT + length
@@ -113,20 +114,8 @@ def encode_block(stamp_ns: int, tick: Tick, block: Block) -> bytes:
     return head + points.tobytes()[: -_LENGTH.size]
 
 
-def decode_block(raw: bytes) -> Block:
-    """Decode a motion block of one joint, whoever encoded it.
-
-    Raises
-    ------
-    WireError
-        The message has not one joint, or its points have no position, rate or acceleration.
-
-    """
-    return _decode_regular(raw) or _decode_any(raw)
-
-
-def _decode_regular(raw: bytes) -> Block | None:
-    """Read a block laid out as `encode_block` does it, or return None."""
+def decode_block(raw: bytes) -> Block | None:
+    """Read a block laid out as `encode_block` does it, or return None: other writers may lay it out otherwise."""
     try:
         (length,) = _LENGTH.unpack_from(raw, _TICK_AT - _LENGTH.size)
         at = _TICK_AT + length
@@ -154,19 +143,3 @@ def _decode_regular(raw: bytes) -> Block | None:
         return None
     times = points['sec'] * np.int64(SECOND) + points['nanosec']
     return Block(joint, times, *(np.array(points[name]) for name in ('position', 'rate', 'acceleration')))
-
-
-def _decode_any(raw: bytes) -> Block:
-    try:
-        message = deserialize_message(raw, JointTrajectory)
-    except Exception as error:  # rclpy raises its binding's own types, and MemoryError for absurd lengths
-        raise WireError(f'not a JointTrajectory: {error}') from error
-    if len(message.joint_names) != 1:
-        raise WireError(f'a motion block has one joint, this one has {len(message.joint_names)}')
-    points = message.points
-    columns = [[list(getattr(point, name)) for point in points] for name in ('positions', 'velocities', 'accelerations')]
-    if any(len(values) != 1 for column in columns for values in column):
-        raise WireError('a motion block has one position, velocity and acceleration a point')
-    times = [point.time_from_start.sec * SECOND + point.time_from_start.nanosec for point in points]
-    arrays = (np.array(column, float).reshape(-1) for column in columns)
-    return Block(message.joint_names[0], np.array(times, np.int64), *arrays)

@@ -6,6 +6,8 @@ unset, and equal runs must give equal bytes.
 
 from __future__ import annotations
 
+import json
+import struct
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,12 +17,12 @@ from rosbags.typesys import Stores, get_typestore
 from kapitsa_ros.instruments.operator import Command
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.nodes import topics
-from kapitsa_ros.nodes.errors import WireError
-from kapitsa_ros.nodes.wire import Block, decode_block, encode_block, encode_silence, is_silence, read_tick
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.wire import Block, decode_block, encode_block, encode_silence, is_silence, read_tick
 from kapitsa_ros.physics.errors import PivotError
 from kapitsa_ros.physics.samples import Samples
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+from kapitsa_ros.recording.errors import WireError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -37,26 +39,15 @@ def _header(stamp_ns: int, tick: Tick) -> Any:
     return _STORE.types['std_msgs/msg/Header'](_time(stamp_ns), str(tick))
 
 
-def type_name(kind: type) -> str:
-    """Return the full name of a message class, as in `std_msgs/msg/Header`."""
-    return f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
+def _encode(kind: str, *values: Any) -> bytes:
+    return bytes(_STORE.serialize_cdr(_STORE.types[kind](*values), kind))
 
 
-def _encode(kind: type, *values: Any) -> bytes:
-    name = type_name(kind)
-    return bytes(_STORE.serialize_cdr(_STORE.types[name](*values), name))
-
-
-def _decode(kind: type, raw: bytes) -> Any:
+def _decode(kind: str, raw: bytes) -> Any:
     try:
-        return _STORE.deserialize_cdr(raw, type_name(kind))
-    except (SerdeError, ValueError, IndexError) as error:
-        raise WireError(f'not a {type_name(kind)}: {error}') from error
-
-
-def stamp_of(raw: bytes) -> int:
-    """Return the header's stamp, ns."""
-    return int.from_bytes(raw[4:8], 'little', signed=True) * SECOND + int.from_bytes(raw[8:12], 'little')
+        return _STORE.deserialize_cdr(raw, kind)
+    except (SerdeError, ValueError, IndexError, struct.error) as error:
+        raise WireError(f'not a {kind}: {error}') from error
 
 
 def encode_command(stamp_ns: int, tick: Tick, command: Command) -> bytes:
@@ -109,7 +100,7 @@ def decode_samples(raw: bytes) -> Samples:
         Times are not equidistant and growing, or the samples are not a motion.
 
     """
-    block = decode_block(raw)
+    block = decode_block(raw) or _decode_points(raw)
     periods = np.diff(block.times_ns)
     if not periods.size or block.times_ns[0] != 0 or periods[0] <= 0 or (periods != periods[0]).any():
         raise WireError('a motion block begins at time 0 and its times grow in equal steps')
@@ -117,6 +108,19 @@ def decode_samples(raw: bytes) -> Samples:
         return Samples(float(periods[0]) / SECOND, block.position, block.rate, block.acceleration)
     except PivotError as error:
         raise WireError(str(error)) from error
+
+
+def _decode_points(raw: bytes) -> Block:
+    message = _decode(topics.PIVOT.type, raw)
+    if len(message.joint_names) != 1:
+        raise WireError(f'a motion block has one joint, this one has {len(message.joint_names)}')
+    points = message.points
+    columns = [[getattr(point, name) for point in points] for name in ('positions', 'velocities', 'accelerations')]
+    if any(len(values) != 1 for column in columns for values in column):
+        raise WireError('a motion block has one position, velocity and acceleration a point')
+    times = [point.time_from_start.sec * SECOND + point.time_from_start.nanosec for point in points]
+    arrays = (np.array(column, float).reshape(-1) for column in columns)
+    return Block(message.joint_names[0], np.array(times, np.int64), *arrays)
 
 
 def encode_strobe(stamp_ns: int, tick: Tick, reading: StrobeReading | None) -> bytes:
@@ -169,20 +173,30 @@ def _seconds(stamp: Any, tick: Tick) -> float:
     return (stamp.sec * SECOND + stamp.nanosec - tick.run * DAY) / SECOND
 
 
-def encode_result(stamp_ns: int, tick: Tick, statuses: Mapping[str, Mapping[str, str]]) -> bytes:
-    """Encode results: one status a name, its values as text."""
+def encode_result(stamp_ns: int, tick: Tick, statuses: Mapping[str, Mapping[str, Any]]) -> bytes:
+    """Encode results: one status a name, its values as JSON."""
     status, value = (_STORE.types[f'diagnostic_msgs/msg/{name}'] for name in ('DiagnosticStatus', 'KeyValue'))
     return _encode(
         topics.RESULT.type,
         _header(stamp_ns, tick),
         [
-            status(level=0, name=name, message='', hardware_id='', values=[value(*pair) for pair in pairs.items()])
+            status(level=0, name=name, message='', hardware_id='', values=[value(key, json.dumps(item)) for key, item in pairs.items()])
             for name, pairs in statuses.items()
         ],
     )
 
 
-def decode_result(raw: bytes) -> dict[str, dict[str, str]]:
+def decode_result(raw: bytes) -> dict[str, dict[str, Any]]:
     """Decode results."""
     message = _decode(topics.RESULT.type, raw)
-    return {status.name: {pair.key: pair.value for pair in status.values} for status in message.status}
+    return {status.name: {pair.key: json.loads(pair.value) for pair in status.values} for status in message.status}
+
+
+def encode_text(text: str) -> bytes:
+    """Encode latched settings."""
+    return _encode(topics.SETTINGS_TYPE, text)
+
+
+def decode_text(raw: bytes) -> str:
+    """Decode latched settings."""
+    return str(_decode(topics.SETTINGS_TYPE, raw).data)

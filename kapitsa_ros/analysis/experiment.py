@@ -1,0 +1,87 @@
+"""From the runs of an experiment to its critical speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.analysis.errors import RunError, TableError
+from kapitsa_ros.analysis.reduction import inverse, ordinary
+from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kapitsa_ros.analysis.reduction import Line
+    from kapitsa_ros.analysis.run import Run
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+
+@dataclass(frozen=True, kw_only=True)
+class Experiment:
+    """What several runs together say of the critical speed; speeds in rad/s, None where there is no value."""
+
+    omega_crit: float | None
+    """The best estimate: the inverse fit."""
+    interval: tuple[float, float] | None
+    """95 % interval of `omega_crit`."""
+    inverse: float | None
+    ordinary: float | None
+    predicted: float
+    """By averaged theory for an ideal rod of this length and stroke (report, eq. 8)."""
+    truth: float | None
+    """Exact threshold of the plant that was simulated; None where there is none."""
+
+    @property
+    def error_percent(self) -> float | None:
+        """Of `omega_crit` against `predicted`, as Table 3 has it."""
+        return None if self.omega_crit is None else 100.0 * (self.omega_crit / self.predicted - 1.0)
+
+
+def readings_of(runs: Sequence[Run]) -> Readings:
+    """Table the runs in which both instruments gave a reading."""
+    read = [(run.speed_reading, run.period) for run in runs if run.speed_reading and run.period]
+    forcing, period = np.array(read, float).reshape(-1, 2).T
+    return Readings(forcing, period, np.zeros(len(read)), np.full(len(read), PERIOD_SIGMA))
+
+
+def reduce_runs(runs: Sequence[Run]) -> Experiment:
+    """Reduce the readings of several runs of one plant as in 1997.
+
+    Raises
+    ------
+    RunError
+        There are no runs, or they are of different plants.
+
+    """
+    if not runs:
+        raise RunError('no runs: give one bag or more')
+    plant = runs[0].plant
+    if any(run.plant != plant for run in runs):
+        raise RunError('the runs are of different plants: analyse each plant on its own')
+    readings = readings_of(runs)
+    backward = _fit(inverse, readings)
+    return Experiment(
+        omega_crit=backward,
+        interval=None,
+        inverse=backward,
+        ordinary=_fit(ordinary, readings),
+        predicted=omega_crit_averaged(ideal_rod(plant)),
+        truth=omega_crit_exact(plant),
+    )
+
+
+def ideal_rod(plant: PlantParameters) -> PlantParameters:
+    """Return the rod the report's theory speaks of: same length, stroke and gravity, nothing else."""
+    return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
+
+
+def _fit(fit: Callable[[Readings], Line], readings: Readings) -> float | None:
+    try:
+        return fit(readings).omega_crit
+    except TableError:
+        return None  # too few runs gave readings, or they show no rise: there is no value

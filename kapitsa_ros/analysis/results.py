@@ -1,0 +1,39 @@
+"""Results under the names that the command line, the topics and the reports share."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.analysis.experiment import Experiment
+    from kapitsa_ros.analysis.run import Run
+
+
+def run_values(run: Run) -> dict[str, Any]:
+    """Return what the readings of one run say."""
+    return {
+        'speed_reading_rpm': _rpm(run.speed_reading),
+        'period_s': run.period,
+        'slow_rpm': None if run.period is None else 60.0 / run.period,
+        'fell': run.fell,
+    }
+
+
+def experiment_values(experiment: Experiment) -> dict[str, Any]:
+    """Return what the runs say together."""
+    interval = experiment.interval
+    return {
+        'omega_crit_rpm': _rpm(experiment.omega_crit),
+        'omega_crit_interval_rpm': None if interval is None else [end / RPM for end in interval],
+        'inverse_rpm': _rpm(experiment.inverse),
+        'ols_rpm': _rpm(experiment.ordinary),
+        'predicted_rpm': experiment.predicted / RPM,
+        'error_percent': experiment.error_percent,
+        'truth_rpm': _rpm(experiment.truth),
+    }
+
+
+def _rpm(speed: float | None) -> float | None:
+    return None if speed is None else speed / RPM

@@ -1,0 +1,60 @@
+"""The analyser: builds each run from commands and readings, never from the motion, and reduces what there is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.analysis.results import experiment_values, run_values
+from kapitsa_ros.analysis.run import Run, RunBuilder
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
+from kapitsa_ros.nodes.settings import SettingsInbox
+from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage, ends_session
+from kapitsa_ros.recording.wire import stamp_of
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.steps import Tick
+
+
+class AnalyserNode(JoinedStage):
+    """Executable `analyser`. Its result for a step acknowledges that step."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            'analyser',
+            reads=(topics.STROBE, topics.STOPWATCH, topics.COMMAND),
+            writes=(topics.RESULT,),
+            follows=(topics.COMMAND,),
+        )
+        self._settings = SettingsInbox(self)
+        self._runs: list[Run] = []
+        self._builder: RunBuilder
+
+    def advance(self) -> float:
+        """Wait for the settings, without which a run has no meaning."""
+        return super().advance() if self._settings.complete else LOOK_PERIOD
+
+    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+        """Take in one step."""
+        if tick.step == 0:
+            self._builder = RunBuilder(tick.run, self._settings.parsed())
+        self._builder.add(
+            decode_command(messages[topics.COMMAND.name]),
+            decode_strobe(messages[topics.STROBE.name]),
+            decode_stopwatch(messages[topics.STOPWATCH.name]),
+        )
+        self.emit_silence(topics.RESULT, tick, stamp_of(messages[topics.STROBE.name]))
+
+    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
+        """Say what the run came to, and all runs so far together."""
+        if ends_session(tick):
+            super().end_run(tick, stamp_ns, messages)
+            return
+        run = self._builder.build(complete=True)
+        self._runs.append(run)
+        results = {f'run {run.number}': run_values(run), 'experiment': experiment_values(reduce_runs(self._runs))}
+        self.emit(topics.RESULT, encode_result(stamp_ns, tick, results))
+
+
+create = AnalyserNode

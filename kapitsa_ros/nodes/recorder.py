@@ -1,0 +1,70 @@
+"""The recorder: one bag a run, the messages of each step in a fixed order, and an acknowledgement when they are written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.nodes.errors import NodeError, SettingError
+from kapitsa_ros.nodes.parameters import declare
+from kapitsa_ros.nodes.settings import SettingsInbox
+from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.messages import decode_command
+from kapitsa_ros.recording.naming import run_name
+from kapitsa_ros.recording.wire import stamp_of
+from kapitsa_ros.recording.writer import STORAGES, RunWriter
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.steps import Tick
+
+
+class RecorderNode(JoinedStage):
+    """Executable `recorder`."""
+
+    def __init__(self) -> None:
+        super().__init__('recorder', reads=topics.RECORDED, writes=(topics.WRITTEN,), follows=(topics.COMMAND,))
+        self._bags = Path(declare(self, 'bags', 'runs', 'folder in which each run gets a bag of its own'))
+        self._storage = declare(self, 'storage', 'mcap', f'of the bags: {" or ".join(STORAGES)}')
+        self._steps_a_chunk = declare(self, 'steps_a_chunk', 5, 'steps that a crash may cost', 1, 1000)
+        if self._storage not in STORAGES:
+            raise SettingError(f'parameter storage is {self._storage!r}: choose {" or ".join(STORAGES)}')
+        self._settings = SettingsInbox(self)
+        self._writer: RunWriter | None = None
+
+    def advance(self) -> float:
+        """Wait for the settings, which open a bag."""
+        return super().advance() if self._settings.complete else LOOK_PERIOD
+
+    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+        """Write one step."""
+        stamp = stamp_of(messages[topics.PIVOT.name])
+        try:
+            if self._writer is None:
+                speed = decode_command(messages[topics.COMMAND.name]).speed
+                path = self._bags / run_name(tick.run, speed)
+                self._writer = RunWriter(path, self._storage, self._settings.texts, self._steps_a_chunk)
+            self._writer.write_step(stamp, messages)
+        except BagError as error:
+            raise NodeError(str(error)) from error
+        self.emit_silence(topics.WRITTEN, tick, stamp)
+
+    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
+        """Write the end of the run and finish its bag."""
+        if self._writer is not None:
+            writer, self._writer = self._writer, None
+            try:
+                writer.write_step(stamp_ns, messages)
+                writer.close(complete=True)
+            except BagError as error:
+                raise NodeError(str(error)) from error
+        super().end_run(tick, stamp_ns, messages)
+
+    def close(self) -> None:
+        """Finish a bag whose run did not come to its end: it can be read, and says so."""
+        if self._writer is not None:
+            self._writer.close(complete=False)
+
+
+create = RecorderNode

@@ -1,0 +1,84 @@
+"""The rod on a pivot that moves as a pure cosine, in steps that divide the time between samples."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.layout import ANGLE, GRAVITY, RATE
+from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ORDER = 16
+TOO_THICK = -1.0
+
+
+@kernel
+def advance_cosine(
+    amplitude: float,
+    speed: float,
+    start: float,
+    step: float,
+    turns: float,
+    stride: int,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    motion: NDArray[np.float64],
+) -> float:
+    """Carry the state through samples that are `stride` steps apart.
+
+    Parameters
+    ----------
+    amplitude, speed
+        λ (m) and ω (rad/s).
+    start
+        Phase of the pivot at the first sample, turns from the bottom.
+    step, turns
+        One step in seconds and in turns of the shaft: turns = ω step / 2π, exact where it is a power of two.
+    stride
+        Steps from one sample to the next.
+    plant, state
+        As `layout` has them; `state` is changed in place.
+    motion
+        θ and θ′ on return, shape (2, samples).
+
+    Returns
+    -------
+    float
+        The largest last term of the series met, rad: what truncation leaves out of one step; TOO_THICK where events
+        could not be told apart.
+
+    """
+    work = np.empty((WORK_ROWS, ORDER + 1))
+    load = np.empty(ORDER - 1)
+    rhythm = np.empty(ORDER - 1)
+    angle_step = 2.0 * math.pi * turns
+    term = amplitude * (speed * step) ** 2
+    for n in range(rhythm.size):
+        rhythm[n] = term if n % 4 in (0, 3) else -term
+        term *= angle_step / (n + 1)
+    weight = plant[GRAVITY] * step * step
+    motion[0, 0] = state[ANGLE]
+    motion[1, 0] = state[RATE]
+    left_out = 0.0
+    for sample in range(1, motion.shape[1]):
+        for i in range((sample - 1) * stride, sample * stride):
+            turn = (i * turns) % 1.0 + start
+            cosine = math.cos(2.0 * math.pi * turn)
+            sine = math.sin(2.0 * math.pi * turn)
+            for n in range(0, load.size, 2):
+                load[n] = rhythm[n] * cosine
+            for n in range(1, load.size, 2):
+                load[n] = rhythm[n] * sine
+            load[0] += weight
+            if not advance_interval(load, 0.0, step, plant, state, work):
+                return TOO_THICK
+            left_out = max(left_out, abs(work[0, -1]))
+        motion[0, sample] = state[ANGLE]
+        motion[1, sample] = state[RATE]
+    return left_out

@@ -1,0 +1,19 @@
+"""How kernels are compiled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+
+import numba
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+_P = ParamSpec('_P')
+_R = TypeVar('_R')
+
+
+def kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered."""
+    compiled: Any = numba.njit(cache=True, fastmath={'contract'}, error_model='numpy')(function)
+    return compiled  # type: ignore[no-any-return]

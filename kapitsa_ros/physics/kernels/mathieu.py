@@ -1,0 +1,67 @@
+"""Mathieu's equation w″ + (a − 2q cos 2z) w = 0 over half a period, by power series."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ORDER = 24
+
+
+@kernel
+def half_period(a: float, q: float) -> tuple[float, float, float, float]:
+    """Carry the two normal solutions from z = 0 to π/2.
+
+    Returns
+    -------
+    tuple
+        x₁, x₁′, x₂, x₂′ at π/2, from (1, 0) and (0, 1) at 0. Their Wronskian is 1.
+
+    """
+    steps = math.ceil(0.5 * math.pi * math.sqrt(abs(a) + 2.0 * abs(q) + 4.0))
+    step = 0.5 * math.pi / steps
+    frequency = np.empty(ORDER - 1)
+    even, odd = np.zeros(ORDER + 1), np.zeros(ORDER + 1)
+    x1, r1, x2, r2 = 1.0, 0.0, 0.0, step
+    for i in range(steps):
+        cosine, sine = math.cos(2.0 * i * step), math.sin(2.0 * i * step)
+        term = 2.0 * q * step * step
+        for n in range(ORDER - 1):
+            wave = cosine if n % 2 == 0 else sine
+            frequency[n] = term * wave if n % 4 in (0, 3) else -term * wave
+            term *= 2.0 * step / (n + 1)
+        frequency[0] -= a * step * step
+        even[0], even[1], odd[0], odd[1] = x1, r1, x2, r2
+        for n in range(ORDER - 1):
+            pull1, pull2 = 0.0, 0.0
+            for j in range(n + 1):
+                pull1 += frequency[j] * even[n - j]
+                pull2 += frequency[j] * odd[n - j]
+            even[n + 2] = pull1 / ((n + 1) * (n + 2))
+            odd[n + 2] = pull2 / ((n + 1) * (n + 2))
+        x1, r1, x2, r2 = 0.0, 0.0, 0.0, 0.0
+        for n in range(ORDER, 0, -1):
+            x1 += even[n]
+            r1 += n * even[n]
+            x2 += odd[n]
+            r2 += n * odd[n]
+        x1 += even[0]
+        x2 += odd[0]
+    return x1, r1 / step, x2, r2 / step
+
+
+@kernel
+def half_trace_less_one(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return (D − 1)/2 = x₁′ x₂ for many points, D being half the trace of the monodromy matrix."""
+    result = np.empty(a.size)
+    for i in range(a.size):
+        _, r1, x2, _ = half_period(a[i], q[i])
+        result[i] = r1 * x2
+    return result

@@ -1,0 +1,110 @@
+"""Play at the pivot: the hole rests on the pin, flies free of it and strikes it again.
+
+The pin's motion is prescribed. The hole's centre stays within ±D/2 of it; in contact it shares the pin's acceleration, in
+flight it falls freely, and an impact changes its velocity by −(1 + e) times the relative one.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.layout import (
+    ANGLE,
+    CLEARANCE,
+    CONTACT,
+    FAILED,
+    FAILURE_CLEARANCE,
+    GAP,
+    GAP_RATE,
+    IMPACT_ENERGY,
+    IN_FLIGHT,
+    LINEAR,
+    MODE,
+    RATE,
+    RESTITUTION,
+    WEAR,
+    K,
+)
+from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+SMALLEST_BOUNCE = 1e-9  # of the clearance: the hole has come to rest on the pin
+
+
+@kernel
+def expand_gap(
+    load: NDArray[np.float64],
+    step: float,
+    state: NDArray[np.float64],
+    lifting: bool,  # noqa: FBT001
+    gap: NDArray[np.float64],
+) -> None:
+    """Settle whether the hole rests on the pin at the start of a piece, and fill `gap` with the series of its offset."""
+    gap[:] = 0.0
+    if state[CLEARANCE] == 0.0:
+        return
+    if state[CONTACT] != IN_FLIGHT and state[CONTACT] * load[0] > 0.0:
+        state[CONTACT] = IN_FLIGHT
+    gap[0] = state[GAP]
+    if state[CONTACT] != IN_FLIGHT:
+        return
+    gap[1] = step * state[GAP_RATE]
+    for n in range(load.size):
+        gap[n + 2] = -load[n] / ((n + 1) * (n + 2))
+    if lifting:  # the load is zero here but for its last bit
+        gap[2] = 0.0
+
+
+@kernel
+def time_to_touch(
+    load: NDArray[np.float64],
+    gap: NDArray[np.float64],
+    state: NDArray[np.float64],
+    left: float,
+) -> float:
+    """Return when the hole lifts off the pin, or strikes it."""
+    if state[CLEARANCE] == 0.0:
+        return NEVER
+    if state[CONTACT] != IN_FLIGHT:
+        return first_descent(-state[CONTACT] * load, left)
+    above = -gap
+    above[0] += 0.5 * state[CLEARANCE]
+    below = gap.copy()
+    below[0] += 0.5 * state[CLEARANCE]
+    return min(first_descent(above, left), first_descent(below, left))
+
+
+@kernel
+def touch(
+    load: NDArray[np.float64],
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+) -> None:
+    """Lift the hole off the pin, or let it strike: the rod is kicked, the hole worn."""
+    if state[CONTACT] != IN_FLIGHT:
+        state[CONTACT] = IN_FLIGHT
+        state[GAP_RATE] = 0.0
+        return
+    side = math.copysign(1.0, state[GAP])
+    strike = state[GAP_RATE]
+    lean = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
+    state[RATE] -= (1.0 + plant[RESTITUTION]) * strike * plant[K] * lean
+    state[GAP_RATE] = -plant[RESTITUTION] * strike
+
+    energy = 0.5 * (1.0 - plant[RESTITUTION] ** 2) * strike * strike
+    state[IMPACT_ENERGY] += energy
+    state[CLEARANCE] += plant[WEAR] * energy
+    if state[CLEARANCE] >= plant[FAILURE_CLEARANCE]:
+        state[MODE] = FAILED
+    state[GAP] = side * 0.5 * state[CLEARANCE]
+
+    pressing = -side * load[0] / (step * step)
+    if pressing > 0.0 and state[GAP_RATE] ** 2 <= 2.0 * pressing * SMALLEST_BOUNCE * state[CLEARANCE]:
+        state[CONTACT] = side
+        state[GAP_RATE] = 0.0

@@ -1,0 +1,257 @@
+"""The rod over one interval of smooth pivot motion: free, rubbing, stuck, falling over, in play.
+
+Between events the motion is one power series; every event (reversal, stick, slip, lift-off, impact, stop) is the first
+root of a polynomial, so switching is exact and nothing is smoothed.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.layout import (
+    ANGLE,
+    CLEARANCE,
+    CONTACT,
+    COULOMB,
+    DAMPING,
+    FAILED,
+    FALLEN,
+    GAP,
+    GAP_RATE,
+    IN_FLIGHT,
+    LINEAR,
+    MODE,
+    MOVING,
+    RATE,
+    STOP,
+    STUCK,
+    K,
+)
+from kapitsa_ros.physics.kernels.play import expand_gap, time_to_touch, touch
+from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+from kapitsa_ros.physics.kernels.series import derivative, expand, shift, value
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+MOST_PIECES = 10_000
+WORK_ROWS = 6
+
+
+@kernel
+def advance_interval(
+    load: NDArray[np.float64],
+    start: float,
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    work: NDArray[np.float64],
+) -> bool:
+    """Carry the state from τ = `start` to the interval's end, τ = 1.
+
+    Parameters
+    ----------
+    load
+        Coefficients in τ of h² (g + y″).
+    start
+        In [0, 1).
+    step
+        h, seconds.
+    plant, state
+        As `layout` has them; `state` is changed in place.
+    work
+        Shape (WORK_ROWS, order + 1): room for series.
+
+    Returns
+    -------
+    bool
+        False where events come too thick to be told apart.
+
+    """
+    if state[MODE] != MOVING and state[MODE] != STUCK:
+        return True
+    if plant[COULOMB] == 0.0 and state[CLEARANCE] == 0.0 and start == 0.0:
+        _advance_freely(load, step, plant, state, work)
+        return True
+    return _advance_by_pieces(load, start, step, plant, state, work)
+
+
+@kernel
+def _advance_freely(
+    load: NDArray[np.float64],
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    work: NDArray[np.float64],
+) -> None:
+    """Carry the state over a whole interval without friction and play: no event but the stop."""
+    angle = work[0]
+    _expand_angle(load, 0.0, step, plant, state, work)
+    if _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
+        _lie_down(state, plant)
+        return
+    travel, pace = 0.0, 0.0
+    for n in range(angle.size - 1, 0, -1):
+        travel += angle[n]
+        pace += n * angle[n]
+    state[ANGLE] += travel
+    state[RATE] = pace / step
+
+
+@kernel
+def _advance_by_pieces(
+    load: NDArray[np.float64],
+    start: float,
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    work: NDArray[np.float64],
+) -> bool:
+    """Go from event to event; the load is re-centred at each."""
+    angle, gap = work[0], work[5, : load.size + 2]
+    load = load.copy()
+    shift(load, start)
+    left = 1.0 - start
+    slipping, lifting = False, False
+    for _ in range(MOST_PIECES):
+        expand_gap(load, step, state, lifting, gap)
+        friction = _friction(load, step, plant, state, slipping)
+        if state[MODE] == STUCK:
+            angle[:] = 0.0
+            angle[0] = state[ANGLE]
+        else:
+            _expand_angle(load, friction, step, plant, state, work)
+            if slipping:  # in balance but for the last bit: the motion starts with the third derivative
+                angle[2] = 0.0
+
+        stop = _time_to_stop(angle, plant[STOP], left)
+        change = _time_to_friction_change(load, angle, step, plant, state, left)
+        contact = time_to_touch(load, gap, state, left)
+        span = min(stop, change, contact)
+        ended = span >= left
+        if ended:
+            span = left
+        state[ANGLE] = value(angle, span)
+        state[RATE] = derivative(angle, span) / step
+        state[GAP] = value(gap, span)
+        state[GAP_RATE] = derivative(gap, span) / step
+        if ended:
+            return True
+
+        shift(load, span)
+        left -= span
+        if stop == span:
+            _lie_down(state, plant)
+            return True
+        slipping = change == span and state[MODE] == STUCK
+        if change == span:
+            state[RATE] = 0.0
+        lifting = contact == span and state[CONTACT] != IN_FLIGHT
+        if contact == span:
+            touch(load, step, plant, state)
+            if state[MODE] == FAILED:
+                return True
+    return False
+
+
+@kernel
+def _expand_angle(
+    load: NDArray[np.float64],
+    friction: float,
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    work: NDArray[np.float64],
+) -> None:
+    drive = work[4, : load.size]
+    leverage = 0.0 if state[CONTACT] == IN_FLIGHT else plant[K]
+    for n in range(load.size):
+        drive[n] = leverage * load[n]
+    angle = work[0]
+    angle[0] = state[ANGLE]
+    angle[1] = step * state[RATE]
+    expand(drive, step * plant[DAMPING], friction, plant[LINEAR] != 0.0, angle, work[1], work[2], work[3])
+
+
+@kernel
+def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) -> float:
+    """Return the load's share of θ″ (times h²)."""
+    if state[CONTACT] == IN_FLIGHT:
+        return 0.0
+    lean = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
+    return plant[K] * load * lean
+
+
+@kernel
+def _friction(
+    load: NDArray[np.float64],
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    slipping: bool,  # noqa: FBT001
+) -> float:
+    """Settle whether the rod slides or sticks at the start of a piece, and return h² f sgn θ′."""
+    grip = step * step * plant[COULOMB]
+    if grip == 0.0:
+        return 0.0
+    state[MODE] = MOVING
+    if state[RATE] != 0.0:
+        return math.copysign(grip, state[RATE])
+    pull = torque(load[0], plant, state)
+    if slipping or abs(pull) > grip:
+        return math.copysign(grip, pull)
+    state[MODE] = STUCK
+    return 0.0
+
+
+@kernel
+def _time_to_friction_change(
+    load: NDArray[np.float64],
+    angle: NDArray[np.float64],
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    left: float,
+) -> float:
+    """Return when a sliding rod comes to rest, or a stuck one is torn loose."""
+    grip = step * step * plant[COULOMB]
+    if grip == 0.0:
+        return NEVER
+    if state[MODE] == STUCK:
+        pull = load * torque(1.0, plant, state)
+        ahead, behind = -pull, pull
+        ahead[0] = max(ahead[0] + grip, 0.0)
+        behind[0] = max(behind[0] + grip, 0.0)
+        return min(first_descent(ahead, left), first_descent(behind, left))
+    pace = np.empty(angle.size - 1)
+    direction = 0.0
+    for n in range(pace.size):
+        pace[n] = (n + 1) * angle[n + 1]
+        if direction == 0.0:
+            direction = np.sign(pace[n])
+    return first_descent(direction * pace, left)
+
+
+@kernel
+def _time_to_stop(angle: NDArray[np.float64], stop: float, left: float) -> float:
+    reach = 0.0
+    for n in range(angle.size):
+        reach += abs(angle[n])
+    if reach < stop:
+        return NEVER
+    ahead = -angle
+    ahead[0] += stop
+    behind = angle.copy()
+    behind[0] += stop
+    return min(first_descent(ahead, left), first_descent(behind, left))
+
+
+@kernel
+def _lie_down(state: NDArray[np.float64], plant: NDArray[np.float64]) -> None:
+    state[ANGLE] = math.copysign(plant[STOP], state[ANGLE])
+    state[RATE] = 0.0
+    state[MODE] = FALLEN

@@ -1,0 +1,111 @@
+"""The first root of a polynomial, with certainty.
+
+In the Bernstein basis of an interval the number of sign changes bounds the number of roots in it and has its parity
+(variation diminishing: Lane & Riesenfeld, BIT 21 (1981) 112): none means no root, one means exactly one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.series import shift
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+NEVER = np.inf
+NARROWEST = 1e-13
+
+
+@kernel
+def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
+    """Return the first τ in (0, end] at which a polynomial that starts positive comes down to zero.
+
+    Leading coefficients that are exactly zero are divided out: a motion leaves behind the event it starts from.
+
+    Returns
+    -------
+    float
+        The root, or `NEVER`.
+
+    """
+    lead = 0
+    while lead < polynomial.size - 1 and polynomial[lead] == 0.0:
+        lead += 1
+    scaled = polynomial[lead:].copy()
+    lowest = scaled[0]
+    power = 1.0
+    for n in range(1, scaled.size):
+        power *= end
+        scaled[n] *= power
+        lowest += min(scaled[n], 0.0)
+    if lowest > 0.0:
+        return NEVER
+    if scaled[0] <= 0.0:
+        return 0.0
+    return end * _first_in_unit(scaled)
+
+
+@kernel
+def _first_in_unit(polynomial: NDArray[np.float64]) -> float:
+    start, width = 0.0, 1.0
+    while start < 1.0:
+        local = polynomial.copy()
+        changes = _sign_changes(local, start, width)
+        if changes == 0:
+            start += width
+            width = min(2.0 * width, 1.0 - start)
+        elif changes == 1 or width < NARROWEST:
+            return _refine(polynomial, start, start + width)
+        else:
+            width *= 0.5
+    return NEVER
+
+
+@kernel
+def _sign_changes(local: NDArray[np.float64], start: float, width: float) -> int:
+    """Count the sign changes over [start, start + width]; a zero at the right end counts as one. Destroys `local`."""
+    degree = local.size - 1
+    if start > 0.0:
+        shift(local, start)
+    scale = 1.0
+    for n in range(1, degree + 1):
+        scale *= width * n / (degree - n + 1)
+        local[n] *= scale
+    for row in range(1, degree + 1):
+        for n in range(degree, row - 1, -1):
+            local[n] += local[n - 1]
+    changes = 0
+    negative = local[0] < 0.0
+    for n in range(1, degree + 1):
+        if local[n] != 0.0 and (local[n] < 0.0) != negative:
+            changes += 1
+            negative = not negative
+    if local[degree] == 0.0 and not negative:
+        changes += 1
+    return changes
+
+
+@kernel
+def _refine(polynomial: NDArray[np.float64], low: float, high: float) -> float:
+    """Newton's method kept inside a bracket that bisection would halve."""
+    at = 0.5 * (low + high)
+    for _ in range(100):
+        height, slope = 0.0, 0.0
+        for n in range(polynomial.size - 1, -1, -1):
+            slope = slope * at + height
+            height = height * at + polynomial[n]
+        if height > 0.0:
+            low = at
+        else:
+            high = at
+        following = at - height / slope if slope != 0.0 else low
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if abs(following - at) <= 2e-16 * max(1e-3, abs(at)) or following in (low, high):
+            return following
+        at = following
+    return at

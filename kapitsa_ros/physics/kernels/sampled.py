@@ -1,0 +1,143 @@
+"""The rod on a sampled pivot: one block of samples, each interval a polynomial of the pivot's motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.hermite import acceleration_series
+from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.layout import (
+    ANGLE,
+    COULOMB,
+    DAMPING,
+    GRAVITY,
+    HELD,
+    MODE,
+    MOVING,
+    RATE,
+    RELEASING,
+)
+from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval, torque
+from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+from kapitsa_ros.physics.kernels.series import value
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ORDER = 13
+COARSEST = 1e-7  # highest coefficient over the sum: keeps 1e-9 rad over ten seconds
+ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into that coefficient
+ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
+DONE, TOO_COARSE, TOO_THICK = range(3)
+
+
+@kernel
+def advance_block(
+    weights: NDArray[np.float64],
+    period: float,
+    pivot: NDArray[np.float64],
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    motion: NDArray[np.float64],
+) -> int:
+    """Carry the state through a block.
+
+    Parameters
+    ----------
+    weights
+        From `hermite.stencil_weights`.
+    period
+        h, seconds from sample to sample.
+    pivot
+        y, y′, y″; shape (3, N + 1).
+    plant, state
+        As `layout` has them; `state` is changed in place.
+    motion
+        θ, θ′, θ″ on return; shape (3, N + 1).
+
+    Returns
+    -------
+    int
+        DONE; TOO_COARSE, with nothing changed; TOO_THICK, where events could not be told apart.
+
+    """
+    intervals = pivot.shape[1] - 1
+    load = np.empty((intervals, weights.shape[1]))
+    acceleration_series(weights, period, pivot[0], pivot[1], pivot[2], load)
+    if _too_coarse(load, period * period * plant[GRAVITY], pivot[0]):
+        return TOO_COARSE
+    load[:, 0] += period * period * plant[GRAVITY]
+
+    work = np.empty((WORK_ROWS, ORDER + 1))
+    _record(load[0, 0], period, plant, state, motion[:, 0])
+    for i in range(intervals):
+        start = 0.0
+        if state[MODE] == HELD:
+            start = _release(period * pivot[1, i], load[i], period, plant, state)
+        if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
+            return TOO_THICK
+        at_end = load[i + 1, 0] if i + 1 < intervals else value(load[i], 1.0)
+        _record(at_end, period, plant, state, motion[:, i + 1])
+    return DONE
+
+
+@kernel
+def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.float64]) -> bool:
+    """Tell whether the series of the pivot's acceleration still has something to say where it ends."""
+    highest, rounding = 0.0, 0.0
+    for i in range(position.size):
+        rounding = max(rounding, ROUNDING * abs(position[i]))
+    for i in range(load.shape[0]):
+        total = weight
+        for n in range(load.shape[1]):
+            total += abs(load[i, n])
+        highest = max(highest, abs(load[i, -1]) - COARSEST * total)
+    return highest > rounding
+
+
+@kernel
+def _release(
+    pace: float,
+    load: NDArray[np.float64],
+    period: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+) -> float:
+    """Return the τ at which the catch lets go, at the bottom of the stroke or where the pivot rests; else `NEVER`."""
+    if state[RELEASING] == 0.0:
+        return NEVER
+    rise = np.empty(load.size + 1)
+    rise[0] = pace
+    rise[1:] = load / np.arange(1.0, load.size + 1.0)
+    rise[1] -= period * period * plant[GRAVITY]
+    resting = True
+    for n in range(rise.size):
+        resting &= rise[n] == 0.0
+    at = NEVER
+    if resting or (rise[1] > 0.0 and abs(rise[0]) < ON_TIME * rise[1]):
+        at = 0.0
+    elif rise[0] < 0.0:
+        at = first_descent(-rise, 1.0)
+    if at < 1.0:
+        state[MODE] = MOVING
+        state[RELEASING] = 0.0
+    return at
+
+
+@kernel
+def _record(
+    load: float,
+    period: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    sample: NDArray[np.float64],
+) -> None:
+    """Write θ, θ′ and θ″ from the equation of motion."""
+    sample[0] = state[ANGLE]
+    sample[1] = state[RATE]
+    sample[2] = 0.0
+    if state[MODE] == MOVING:
+        free = torque(load, plant, state) / (period * period) - plant[DAMPING] * state[RATE]
+        sample[2] = free - plant[COULOMB] * np.sign(state[RATE])

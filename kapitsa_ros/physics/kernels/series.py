@@ -1,0 +1,97 @@
+"""Power series of the rod's angle, and the polynomials that go with it.
+
+A step is one unit of the local time τ; every series is scaled to it, so its coefficients shrink as the method converges.
+Recurrences for sine and cosine: Jorba & Zou, Experimental Mathematics 14 (2005) 99, prop. 1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.kernels.jit import kernel
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+MAX_ORDER = 32
+RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, MAX_ORDER + 3)])
+
+
+@kernel
+def expand(
+    drive: NDArray[np.float64],
+    damping: float,
+    friction: float,
+    linear: bool,  # noqa: FBT001
+    angle: NDArray[np.float64],
+    sine: NDArray[np.float64],
+    cosine: NDArray[np.float64],
+    slope: NDArray[np.float64],
+) -> None:
+    """Fill `angle` with the solution of θ̈ = drive(τ) sin θ − damping θ̇ − friction from angle[0] and angle[1].
+
+    Parameters
+    ----------
+    drive
+        Coefficients of h² k (g + y″), at most as many as `angle` has.
+    damping, friction
+        h c and h² f sgn θ′.
+    linear
+        Take θ for sin θ.
+    angle
+        Shape (order + 1,): θ and h θ′ on entry, the series on return.
+    sine, cosine, slope
+        Work space of the same shape; `sine` and `cosine` come back as the series of sin θ and cos θ.
+
+    """
+    terms = drive.size
+    sine[0] = angle[0] if linear else math.sin(angle[0])
+    cosine[0] = 1.0 if linear else math.cos(angle[0])
+    slope[1] = angle[1]
+    angle[2] = 0.5 * (drive[0] * sine[0] - friction - damping * angle[1])
+    for n in range(1, angle.size - 2):
+        if linear:
+            sine[n] = angle[n]
+        else:
+            rising = 0.0
+            falling = 0.0
+            for j in range(1, n + 1):
+                rising += slope[j] * cosine[n - j]
+                falling += slope[j] * sine[n - j]
+            sine[n] = rising * RECIPROCAL[n]
+            cosine[n] = -falling * RECIPROCAL[n]
+        slope[n + 1] = (n + 1) * angle[n + 1]
+        torque = 0.0
+        for j in range(min(n + 1, terms)):
+            torque += drive[j] * sine[n - j]
+        angle[n + 2] = (torque - damping * slope[n + 1]) * (RECIPROCAL[n + 1] * RECIPROCAL[n + 2])
+
+
+@kernel
+def value(series: NDArray[np.float64], at: float) -> float:
+    """Evaluate a series by Horner's rule."""
+    total = 0.0
+    for n in range(series.size - 1, -1, -1):
+        total = total * at + series[n]
+    return total
+
+
+@kernel
+def derivative(series: NDArray[np.float64], at: float) -> float:
+    """Evaluate the first derivative of a series by Horner's rule."""
+    total = 0.0
+    for n in range(series.size - 1, 0, -1):
+        total = total * at + n * series[n]
+    return total
+
+
+@kernel
+def shift(series: NDArray[np.float64], by: float) -> None:
+    """Re-centre a polynomial at τ = `by`, in place (repeated synthetic division: exact but for rounding)."""
+    last = series.size - 1
+    for start in range(last):
+        for n in range(last - 1, start - 1, -1):
+            series[n] += by * series[n + 1]

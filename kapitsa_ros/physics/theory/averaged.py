@@ -1,0 +1,39 @@
+"""The averaged equation (report, eqs. 8 and 15), for any inertia: with k = 3/(2L) they read as printed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+
+def omega_crit_averaged(plant: PlantParameters) -> float:
+    """Return the critical speed, rad/s: √(2g/k)/λ, which is (2/λ)√(gL/3) for the rod (report, eq. 8)."""
+    return math.sqrt(2.0 * plant.gravity / plant.k) / plant.amplitude
+
+
+def slow_frequency_averaged(plant: PlantParameters, speed: float) -> float | None:
+    """Return Ω, rad/s: Ω² = k²λ²ω²/2 − kg, which is 9λ²ω²/(8L²) − 3g/(2L) for the rod (report, eq. 15).
+
+    Parameters
+    ----------
+    plant
+        Its friction does not enter.
+    speed
+        ω, rad/s.
+
+    Returns
+    -------
+    float or None
+        None below the critical speed.
+
+    """
+    square = 0.5 * (plant.k * plant.amplitude * speed) ** 2 - plant.k * plant.gravity
+    return math.sqrt(square) if square >= 0 else None
+
+
+def omega_crit_damped(plant: PlantParameters) -> float:
+    """Return the critical speed at the next order, rad/s: ω² = ω_crit² + c²; damping does move the threshold."""
+    return math.hypot(omega_crit_averaged(plant), plant.damping)

@@ -1,0 +1,118 @@
+"""Exact linear theory: Floquet multipliers of the damped equation, thresholds, slow frequency and growth.
+
+Over one turn of the shaft the multipliers are e^(−cT/2) (D ± √(D² − 1)), D half the trace for w of `mathieu`. With the
+two normal solutions at half a period (D − 1)/2 = x₁′x₂ and (D + 1)/2 = x₁x₂′, so nothing is lost where D is near ±1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import brentq
+
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
+from kapitsa_ros.physics.kernels.mathieu import half_period
+from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic_a1, characteristic_b1, mathieu_q
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+_TOLERANCE = 4.0 * np.finfo(float).eps
+
+
+def omega_crit_exact(plant: PlantParameters) -> float:
+    """Return the speed from which the upright rod is stable, rad/s: a multiplier leaves +1 inwards."""
+    q = mathieu_q(plant)
+    undamped = math.sqrt(-characteristic_a0(q)) / _stiffness(plant)
+    if plant.damping == 0:
+        return 1.0 / undamped
+
+    def excess(inverse_speed: float) -> float:
+        _, r1, x2, _ = _normal_solutions(plant, inverse_speed)
+        return r1 * x2 - math.sinh(0.5 * math.pi * plant.damping * inverse_speed) ** 2
+
+    further = 1.1 * undamped
+    while excess(further) <= 0:
+        further *= 1.1
+    return 1.0 / float(brentq(excess, undamped, further, xtol=1e-300, rtol=_TOLERANCE))
+
+
+def omega_crit_upper(plant: PlantParameters) -> float | None:
+    """Return the speed from which the upright rod is unstable again, rad/s: a multiplier leaves through −1.
+
+    Returns
+    -------
+    float or None
+        None where the rod stays stable however fast: without damping that is up to 3λ/L = 0.9080.
+
+    """
+    q = mathieu_q(plant)
+    edge = characteristic_b1(q)
+    if edge >= 0:
+        return None
+    slowest = math.sqrt(-edge) / _stiffness(plant)
+    if plant.damping == 0:
+        return 1.0 / slowest
+
+    def excess(inverse_speed: float) -> float:
+        x1, _, _, r2 = _normal_solutions(plant, inverse_speed)
+        return x1 * r2 + math.sinh(0.5 * math.pi * plant.damping * inverse_speed) ** 2
+
+    fastest = math.sqrt(max(-characteristic_a1(q), 0.0)) / _stiffness(plant)
+    unstable = next((s for s in np.linspace(slowest, fastest, 200)[1:] if excess(s) < 0), None)
+    if unstable is None:
+        return None
+    return 1.0 / float(brentq(excess, unstable, slowest, xtol=1e-300, rtol=_TOLERANCE))
+
+
+def slow_frequency_exact(plant: PlantParameters, speed: float) -> float | None:
+    """Return Ω, rad/s: the angle of the Floquet multipliers over the forcing period.
+
+    Returns
+    -------
+    float or None
+        None where both multipliers are real and positive: no slow oscillation. ω/2 beyond the upper limit.
+
+    """
+    sine = -_half_trace(plant, speed)[0]
+    if sine <= 0:
+        return None
+    return speed / math.pi * math.asin(math.sqrt(min(sine, 1.0)))
+
+
+def growth_rate(plant: PlantParameters, speed: float) -> float:
+    """Return the rate at which the slow motion grows, 1/s (negative: decays): ln of the larger multiplier over T."""
+    less_one, plus_one = _half_trace(plant, speed)
+    period = 2.0 * math.pi / speed
+    spread = 0.0
+    if less_one > 0:
+        spread = 2.0 * math.asinh(math.sqrt(less_one))
+    elif plus_one < 0:
+        spread = 2.0 * math.asinh(math.sqrt(-plus_one))
+    return spread / period - 0.5 * plant.damping
+
+
+def is_stable(plant: PlantParameters, speed: float) -> bool:
+    """Tell whether the upright rod stays up: no multiplier lies outside the unit circle."""
+    return growth_rate(plant, speed) <= 0
+
+
+def _half_trace(plant: PlantParameters, speed: float) -> tuple[float, float]:
+    """Return (D − 1)/2 and (D + 1)/2."""
+    if not 0 < speed < math.inf:
+        raise ParameterError(f'speed is {speed} rad/s: give a finite speed above 0')
+    x1, r1, x2, r2 = _normal_solutions(plant, 1.0 / speed)
+    if not math.isfinite(r1 * x2):
+        raise PhysicsError(f'at {speed} rad/s the rod falls too fast within one turn for double precision')
+    return r1 * x2, x1 * r2
+
+
+def _normal_solutions(plant: PlantParameters, inverse_speed: float) -> tuple[float, float, float, float]:
+    return half_period(-((_stiffness(plant) * inverse_speed) ** 2), mathieu_q(plant))
+
+
+def _stiffness(plant: PlantParameters) -> float:
+    """Return √(4kg + c²): w of the damped rod has a = −(4kg + c²)/ω²."""
+    return math.sqrt(4.0 * plant.k * plant.gravity + plant.damping**2)

@@ -1,0 +1,70 @@
+"""The pendulum near upright as Mathieu's equation (report, eqs. 3 to 7), and the edges of its stable tongue.
+
+With z = ωt/2 and θ = e^(−ct/2) w the linear equation is w″ + (a − 2q cos 2z) w = 0; damping only lowers a.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import newton
+
+from kapitsa_ros.physics.kernels.mathieu import half_period
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+
+def mathieu_a(plant: PlantParameters, speed: float) -> float:
+    """Return a = −4kg/ω², which is −6g/(ω²L) for the rod (report, eq. 5)."""
+    return -4.0 * plant.k * plant.gravity / speed**2
+
+
+def mathieu_q(plant: PlantParameters) -> float:
+    """Return q = 2kλ, which is 3λ/L for the rod (report, eq. 6, where the sign is only a phase)."""
+    return 2.0 * plant.k * plant.amplitude
+
+
+def boundary_perturbed(q: float) -> float:
+    """Return the lower edge a = −q²/2 for small q (report, eq. 7)."""
+    return -0.5 * q * q
+
+
+def characteristic_a0(q: float) -> float:
+    """Return a₀(q), the lower edge of the stable tongue: the solution even and of period π (DLMF 28.2)."""
+    off = np.full(_size(q) - 1, q)
+    off[0] *= math.sqrt(2.0)
+    guess = _lowest((2.0 * np.arange(_size(q))) ** 2, off)
+    return _polished(lambda a: half_period(a, q)[1], guess)
+
+
+def characteristic_b1(q: float) -> float:
+    """Return b₁(q), the upper edge of the stable tongue: the solution odd and of period 2π (DLMF 28.2)."""
+    return _polished(lambda a: half_period(a, q)[3], _antiperiodic(q, -q))
+
+
+def characteristic_a1(q: float) -> float:
+    """Return a₁(q), where the next tongue begins: the solution even and of period 2π (DLMF 28.2)."""
+    return _polished(lambda a: half_period(a, q)[0], _antiperiodic(q, q))
+
+
+def _antiperiodic(q: float, corner: float) -> float:
+    diagonal = (2.0 * np.arange(_size(q)) + 1.0) ** 2
+    diagonal[0] += corner
+    return _lowest(diagonal, np.full(_size(q) - 1, q))
+
+
+def _size(q: float) -> int:
+    """Return how many Fourier coefficients matter."""
+    return 12 + int(3.0 * math.sqrt(abs(q)))
+
+
+def _lowest(diagonal: np.ndarray, off: np.ndarray) -> float:
+    return float(np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))[0])
+
+
+def _polished(edge: object, guess: float) -> float:
+    """Take the rounding of the eigenvalue out of an edge: the power series is good to the last bits near it."""
+    return float(newton(edge, guess, x1=guess + 1e-6, tol=1e-15))

@@ -1,0 +1,32 @@
+"""Names of runs on disk: number and speed, no date, so that equal experiments have equal names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+
+def run_name(number: int, speed: float) -> str:
+    """Return the name of a run's bag; the speed is that of its first command, rad/s."""
+    return f'run_{number:02d}_{round(speed / RPM)}rpm'
+
+
+def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
+    """Check that none of an experiment's runs is there already.
+
+    Raises
+    ------
+    BagError
+        One is.
+
+    """
+    for number, speed in enumerate(speeds, start=1):
+        path = bags / run_name(number, speed)
+        if path.exists():
+            raise BagError(f'{path} exists: runs are never overwritten, give another --bags or move it away')

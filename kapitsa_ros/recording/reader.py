@@ -1,0 +1,177 @@
+"""Reading a run back: any rosbag2 bag with the topics of the rig."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rosbags.rosbag2 import Reader, ReaderError
+
+from kapitsa_ros.analysis.run import SETTINGS_OF, Run, RunBuilder
+from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.physics.steps import SECOND
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.errors import BagError, WireError
+from kapitsa_ros.recording.messages import decode_command, decode_samples, decode_stopwatch, decode_strobe, decode_text
+from kapitsa_ros.recording.wire import read_tick, stamp_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from kapitsa_ros.physics.steps import Tick
+
+_NEEDED = (topics.COMMAND, topics.STROBE, topics.STOPWATCH)
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A recorded motion as one series; shape (N,) each, SI units."""
+
+    stamps_ns: np.ndarray[Any, np.dtype[np.int64]]
+    angle: np.ndarray[Any, np.dtype[np.float64]]
+    rate: np.ndarray[Any, np.dtype[np.float64]]
+    gaps: int
+    """Places where a sample or a step is missing."""
+
+
+class RunBag:
+    """A recorded run.
+
+    Parameters
+    ----------
+    path
+        Folder of the bag.
+
+    Raises
+    ------
+    BagError
+        There is no bag, it was never finished, or it lacks topics of the rig.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        if not path.is_dir():
+            raise BagError(f'{path} is no bag: give the folder of a run')
+        if not (path / 'metadata.yaml').is_file():
+            kind = 'was never finished' if any(path.glob('*.mcap')) or any(path.glob('*.db3')) else 'is no bag'
+            raise BagError(f'{path} {kind}: it has no metadata.yaml')
+        try:
+            with Reader(path) as reader:
+                self._topics = {connection.topic.removeprefix('/') for connection in reader.connections}
+                self.messages = reader.message_count
+                self.first_stamp_ns = reader.start_time
+                self.last_stamp_ns = reader.end_time - 1
+        except (ReaderError, OSError, ValueError, KeyError) as error:
+            raise BagError(f'{path} cannot be read: {error}') from error
+        missing = [topic.name for topic in _NEEDED if topic.name not in self._topics]
+        missing += [name for name in map(topics.settings_topic, SETTINGS_OF) if name not in self._topics]
+        if missing:
+            raise BagError(f'{path} is no run of this rig: it lacks {", ".join(missing)}')
+
+    def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
+        """Yield topic, stamp (ns) and bytes of the messages on the named topics, in the order of recording.
+
+        Raises
+        ------
+        BagError
+            The file is damaged.
+
+        """
+        try:
+            with Reader(self.path) as reader:
+                wanted = [connection for connection in reader.connections if connection.topic.removeprefix('/') in names]
+                for connection, stamp, data in reader.messages(wanted):
+                    yield connection.topic.removeprefix('/'), stamp, bytes(data)
+        except (ReaderError, OSError, ValueError, MemoryError) as error:
+            raise BagError(f'{self.path} is damaged: {error}') from error
+
+    @cached_property
+    def settings_texts(self) -> dict[str, str]:
+        """JSON text by node."""
+        names = {topics.settings_topic(node): node for node in SETTINGS_OF}
+        return {names[topic]: decode_text(raw) for topic, _, raw in self.raw(*names)}
+
+    @cached_property
+    def run(self) -> Run:
+        """The run that the readings and commands in the bag make.
+
+        Raises
+        ------
+        BagError
+            Steps are missing or a message is not what its topic promises.
+
+        """
+        try:
+            settings = {node: json.loads(text) for node, text in self.settings_texts.items()}
+            steps = list(self._steps())
+            if not steps:
+                raise BagError(f'{self.path} holds no step of a run')
+            builder = RunBuilder(steps[0][0].run, settings)
+            for tick, messages in steps:
+                if not tick.end:
+                    builder.add(
+                        decode_command(messages[topics.COMMAND.name]),
+                        decode_strobe(messages[topics.STROBE.name]),
+                        decode_stopwatch(messages[topics.STOPWATCH.name]),
+                    )
+        except (WireError, json.JSONDecodeError, KeyError) as error:
+            raise BagError(f'{self.path} is damaged: {error}') from error
+        return builder.build(complete=steps[-1][0].end)
+
+    @cached_property
+    def motion(self) -> Motion:
+        """The pendulum's motion, and how much of it is missing.
+
+        Raises
+        ------
+        BagError
+            A block is not what its topic promises.
+
+        """
+        stamps, angles, rates = [], [], []
+        try:
+            for _, _, raw in self.raw(topics.MOTION.name):
+                if read_tick(raw).end:
+                    continue
+                samples = decode_samples(raw)
+                times = np.arange(samples.position.size) * round(samples.period * SECOND)
+                stamps.append(stamp_of(raw) + times)
+                angles.append(samples.position)
+                rates.append(samples.rate)
+        except WireError as error:
+            raise BagError(f'{self.path} is damaged: {error}') from error
+        if not stamps:
+            empty = np.array([])
+            return Motion(empty.astype(np.int64), empty, empty, 0)
+        joined = np.concatenate(stamps)
+        periods = np.diff(joined)
+        # Blocks hold both ends, so a block begins at the stamp at which the last one ended.
+        fresh = np.concatenate(([True], periods > 0))
+        gaps = int((periods > np.median(periods[periods > 0])).sum()) if (periods > 0).any() else 0
+        return Motion(joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps)
+
+    def pivot(self) -> Iterator[tuple[Tick, Samples]]:
+        """Yield the pivot's motion step by step."""
+        for _, _, raw in self.raw(topics.PIVOT.name):
+            if not read_tick(raw).end:
+                yield read_tick(raw), decode_samples(raw)
+
+    def _steps(self) -> Iterator[tuple[Tick, dict[str, bytes]]]:
+        """Yield the commands and readings step by step; at the end, the readings' end."""
+        names = [topic.name for topic in _NEEDED]
+        pending: dict[Tick, dict[str, bytes]] = {}
+        last: Tick | None = None
+        for topic, _, raw in self.raw(*names):
+            tick = read_tick(raw)
+            messages = pending.setdefault(tick, {})
+            messages[topic] = raw
+            if len(messages) == len(names) - tick.end:
+                if last is not None and not tick.follows(last):
+                    raise BagError(f'{self.path}: {tick} came after {last}')
+                last = tick
+                yield tick, pending.pop(tick)

@@ -1,0 +1,1 @@
+"""One command a file; `kapitsa_ros.rig.cli` finds them by name."""

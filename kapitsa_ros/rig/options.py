@@ -1,0 +1,97 @@
+"""Options that several commands share, and quantities with units."""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
+from kapitsa_ros.physics.parameters import PRESETS, PlantParameters, load_preset
+from kapitsa_ros.units import parse_angle, parse_length, parse_speed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+
+class _Quantity(click.ParamType):
+    def __init__(self, name: str, parse: Callable[[str | float], float], example: str) -> None:
+        self.name = name
+        self._parse = parse
+        self._example = example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        try:
+            number = self._parse(value)
+        except ValueError as error:
+            self.fail(f'{error}; write it as in {self._example}', param, ctx)
+        if not math.isfinite(number):
+            self.fail(f'{value!r} is not finite; write it as in {self._example}', param, ctx)
+        return number
+
+
+LENGTH = _Quantity('length', parse_length, '0.25, 9.75in or 0.2mm')
+"""Metres."""
+SPEED = _Quantity('speed', parse_speed, '2240, 37.3Hz or 234rad/s')
+"""rad/s; a bare number is RPM."""
+ANGLE = _Quantity('angle', parse_angle, '0.12 or 7deg')
+"""Radians."""
+
+_PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (
+    ('length', LENGTH, 'length of the rod, L'),
+    ('amplitude', LENGTH, 'half the stroke of the pivot, λ'),
+    ('gravity', float, 'g, m/s²'),
+    ('damping', float, 'viscous friction c, 1/s'),
+    ('coulomb', float, 'Coulomb friction f, rad/s²'),
+    ('clearance', LENGTH, 'diametral play of the pivot hole, D'),
+    ('restitution', float, 'restitution of impacts within the play, e'),
+    ('inertia_factor', float, 'κ in k = κ·3/(2L)'),
+)
+
+
+def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --preset and its overrides; the command gets `plant`, a PlantParameters."""
+
+    @functools.wraps(command)
+    def with_plant(*args: Any, preset: str, **kwargs: Any) -> Any:
+        overrides = {field.name: kwargs.pop(field.name) for field in fields(PlantParameters)}
+        return command(*args, plant=load_preset(preset, _given(overrides)), **kwargs)
+
+    for name, kind, text in reversed(_PLANT_OPTIONS):
+        with_plant = click.option(f'--{name.replace("_", "-")}', name, type=kind, help=f'{text} (overrides the preset)')(with_plant)
+    return click.option('--preset', type=click.Choice(PRESETS), default='ideal', show_default=True, help='the plant')(with_plant)
+
+
+def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --instruments; the command gets the name of a set."""
+    return click.option(
+        '--instruments', type=click.Choice(INSTRUMENT_SETS), default='1997', show_default=True, help='how readings err'
+    )(command)
+
+
+def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --json; the command gets `as_json`."""
+    return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)
+
+
+def print_json(values: Mapping[str, Any]) -> None:
+    """Print one JSON object; a number that does not exist is null."""
+    click.echo(json.dumps(_plain(values), allow_nan=False))
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, 'item'):  # numpy's scalars
+        value = value.item()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _given(overrides: Mapping[str, float | None]) -> dict[str, float]:
+    return {name: value for name, value in overrides.items() if value is not None}
