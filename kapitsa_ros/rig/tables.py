@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 
-class _Table(click.ParamType):
+class _Table(click.ParamType):  # type: ignore[type-arg]
     name = 'table'
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Readings:  # noqa: ARG002

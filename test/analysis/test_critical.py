@@ -48,8 +48,7 @@ def test_exact_periods_give_the_exact_threshold_whatever_the_rod(plant):
     fit = direct_fit(Evidence(timed=timed, release=0.12), Ruler(amplitude=plant.amplitude), plant.gravity)
     truth = omega_crit_exact(plant)
     assert fit.omega_crit == pytest.approx(truth, rel=2e-5)
-    assert fit.interval[0] < truth * (1 + 1e-6)
-    assert fit.interval[1] > truth * (1 - 1e-6)
+    assert fit.interval[0] < truth < fit.interval[1] < 1.004 * truth
     assert fit.k == pytest.approx(plant.k, rel=1e-3)
 
 
@@ -59,8 +58,11 @@ def test_line_misses_what_the_curve_does_not():
 
 
 def test_wrong_ruler_is_overruled_by_exact_periods():
+    by_ruler = omega_crit_exact(PlantParameters(amplitude=0.0128)) / RPM
     fit = direct_fit(evidence(IDEAL), Ruler(amplitude=0.0128))
-    assert fit.omega_crit / RPM == pytest.approx(1354.80, abs=0.05)
+    assert by_ruler < 1354.80 - 8
+    assert fit.omega_crit / RPM == pytest.approx(1354.80, abs=0.8)
+    assert fit.interval[0] / RPM < 1354.80 < fit.interval[1] / RPM
 
 
 def test_interval_is_where_the_profile_rises_by_its_quantile():
@@ -87,7 +89,8 @@ def test_falls_and_stands_narrow_the_interval():
         Ruler(amplitude=0.0127),
     )
     low, high = (end / RPM for end in bounded.interval)
-    assert free.interval[0] / RPM < 1340 < low < 1354.8 < high < 1370 < free.interval[1] / RPM
+    # a release of 0.12 rad falls from up to 0.36 % above the threshold
+    assert free.interval[0] / RPM < 1338 < low < 1354.8 < high < 1370 < free.interval[1] / RPM
 
 
 def test_errors_in_variables_on_the_table_of_1997():
@@ -104,14 +107,15 @@ def test_periods_that_hardly_quicken_leave_the_interval_open_below():
 
 
 def test_error_of_the_speed_widens_the_interval_by_its_effect():
-    sharp = errors_in_variables(readings(SPEEDS, periods(IDEAL), 0.003))
-    blurred = errors_in_variables(readings(SPEEDS, periods(IDEAL), 0.003, 20 * RPM))
-    assert np.diff(blurred.interval) > 1.2 * np.diff(sharp.interval)
+    speeds = np.array([1600.0, 2200, 2780]) * RPM
+    period, wobble = periods(IDEAL, speeds=speeds), 3 * RPM
+    sharp = errors_in_variables(readings(speeds, period, 0.003))
+    blurred = errors_in_variables(readings(speeds, period, 0.003, wobble))
+    assert np.diff(blurred.interval) > 1.1 * np.diff(sharp.interval)
     # the same widening by hand: σ_T and T′σ_ω in quadrature
-    moved = periods(IDEAL) * SPEEDS / (SPEEDS**2 - sharp.omega_crit**2) * 20 * RPM
-    timed = readings(SPEEDS, periods(IDEAL))
-    by_hand = errors_in_variables(Readings(timed.forcing, timed.period, 0 * SPEEDS, np.hypot(0.003, moved)))
-    assert np.diff(blurred.interval) == pytest.approx(np.diff(by_hand.interval), rel=0.03)
+    moved = period * speeds / (speeds**2 - sharp.omega_crit**2) * wobble
+    by_hand = errors_in_variables(Readings(speeds, period, 0 * speeds, np.hypot(0.003, moved)))
+    assert np.diff(blurred.interval) == pytest.approx(np.diff(by_hand.interval), rel=0.05)
 
 
 def test_line_covers_the_truth_as_often_as_it_says():

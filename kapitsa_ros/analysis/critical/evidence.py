@@ -5,23 +5,25 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from kapitsa_ros.analysis.errors import RunError
 from kapitsa_ros.analysis.slow.laps import lap_period
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.instruments.errors import SettingsError
 from kapitsa_ros.instruments.marks import faintest
 from kapitsa_ros.instruments.procedure import standing_ratios
-from kapitsa_ros.instruments.settings import SettingsError, StopwatchSettings, StrobeSettings
+from kapitsa_ros.instruments.settings import StopwatchSettings, StrobeSettings
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-    from typing import Any
+    from collections.abc import Sequence
 
     from kapitsa_ros.analysis.run import Run
-    from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.parameters import PlantParameters
+
+_Kind = TypeVar('_Kind', StrobeSettings, StopwatchSettings)
 
 RULER_SIGMA = 0.125e-3
 """m; of λ, half of what a steel ruler leaves open of the stroke between its two ends (0.25 mm)."""
@@ -47,6 +49,8 @@ class Evidence:
     """Runs whose swings were timed."""
     release: float
     """θ at which the pendulum was let go, rad."""
+    swings: int = 3
+    """Full swings a timing."""
     fell: tuple[tuple[float, float], ...] = ()
     """Speed and its standard error of each run in which the pendulum fell over, rad/s."""
     stood: tuple[tuple[float, float], ...] = ()
@@ -64,8 +68,6 @@ def evidence_of(runs: Sequence[Run]) -> Evidence:
         The readings are none that runs can have.
 
     """
-    from kapitsa_ros.analysis.table import Readings  # noqa: PLC0415
-
     if not runs:
         raise RunError('no runs: give one or more')
     rows: list[tuple[float, float, float, float]] = []
@@ -73,12 +75,12 @@ def evidence_of(runs: Sequence[Run]) -> Evidence:
     for run in runs:
         if run.speed_reading is None:
             continue
-        strobe = StrobeSettings(**_instrument(run, 'strobe'))
+        strobe = _settings(run, 'strobe', StrobeSettings)
         speed = unmask(run.speed_reading, run.speed_asked, strobe) if run.speed_asked > 0.0 else run.speed_reading
         sigma = dial_sigma(strobe)
         done = [reading for reading in run.timings if reading.kind == 'timed']
         if done:
-            watch = StopwatchSettings(**_instrument(run, 'stopwatch'))
+            watch = _settings(run, 'stopwatch', StopwatchSettings)
             lap = lap_period([reading.displayed for reading in done], done[0].swings, watch)
             rows.append((speed, lap.value, sigma, lap.sigma))
         for reading in run.timings:
@@ -89,6 +91,7 @@ def evidence_of(runs: Sequence[Run]) -> Evidence:
     return Evidence(
         timed=Readings(columns[0], columns[1], columns[2], columns[3]),
         release=max(releases, default=0.0),
+        swings=max((reading.swings for run in runs for reading in run.timings if reading.kind == 'timed'), default=1),
         fell=tuple(bounds['fell']),
         stood=tuple(bounds['stopped']),
     )
@@ -118,13 +121,8 @@ def ruler_for(plant: PlantParameters) -> Ruler:
     return Ruler(amplitude=plant.amplitude)
 
 
-def _instrument(run: Run, name: str) -> Mapping[str, Any]:
+def _settings(run: Run, name: str, kind: type[_Kind]) -> _Kind:
     try:
-        settings = dict(run.settings[name]['instrument'])
-    except (KeyError, TypeError) as error:
-        raise RunError(f'run {run.number}: its settings do not describe the {name}') from error
-    try:
-        (StrobeSettings if name == 'strobe' else StopwatchSettings)(**settings)
-    except (TypeError, SettingsError) as error:
+        return kind(**run.settings[name]['instrument'])
+    except (KeyError, TypeError, SettingsError) as error:
         raise RunError(f'run {run.number}: its settings do not describe the {name} ({error})') from error
-    return settings
