@@ -69,9 +69,10 @@ def advance_cosine(
     left_out = 0.0
     for sample in range(1, motion.shape[1]):
         for i in range((sample - 1) * stride, sample * stride):
-            turn = (i * turns) % 1.0 + start
-            cosine = math.cos(2.0 * math.pi * turn)
-            sine = math.sin(2.0 * math.pi * turn)
+            turn = i * turns
+            phase = 2.0 * math.pi * (turn - math.floor(turn) + start)
+            cosine = math.cos(phase)
+            sine = math.sin(phase)
             for n in range(0, load.size, 2):
                 load[n] = rhythm[n] * cosine
             for n in range(1, load.size, 2):
