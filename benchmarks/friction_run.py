@@ -87,7 +87,7 @@ def error(work: Callable[[float], float]) -> float:
 
 def main() -> None:
     """Measure and print."""
-    tolerance = 1e-9
+    tolerance = 1e-11
     ours_s, ours_error = cpu(ours), error(lambda end: ours(duration=end))
     Claim(
         work=WORK,

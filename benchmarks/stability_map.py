@@ -20,7 +20,7 @@ PLANT = PlantParameters(damping=1.0)
 SPEEDS = np.linspace(500.0, 5000.0, 1000) * RPM
 AMPLITUDES = np.linspace(0.02, 0.5, 1000) * PLANT.length
 FEW = 2000
-STEPS = 1400
+STEPS = 800
 
 
 def companion(speed: np.ndarray, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -66,3 +66,14 @@ def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.flo
             x1, r1, x2, r2 = half_period(a[j], q[i])
             result[i, j] = x1 * r2 + r1 * x2
     return result
+
+
+@kernel
+def combine(weights: NDArray[np.float64], rows: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Write weights @ rows into `out`: for thin matrices, and on one core whatever the BLAS would do."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = weights[i, 0] * rows[0, j]
+        for k in range(1, rows.shape[0]):
+            for j in range(out.shape[1]):
+                out[i, j] += weights[i, k] * rows[k, j]
