@@ -17,6 +17,7 @@ from kapitsa_ros.physics.theory.friction import (
     equivalent_damping,
     stuck_zone,
 )
+from kapitsa_ros.physics.theory.ladder import Rung, ladder
 from kapitsa_ros.physics.theory.large_swings import slow_frequency_large, slow_start, slow_swing
 from kapitsa_ros.physics.theory.mathieu import (
     boundary_perturbed,
@@ -28,9 +29,11 @@ from kapitsa_ros.physics.theory.mathieu import (
 )
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.physics.theory.play import effective_amplitude, slow_frequency_with_play
+from kapitsa_ros.physics.theory.spectrum import sidebands
 from kapitsa_ros.physics.theory.stability import StabilityMap, stability_map
 
 __all__ = [
+    'Rung',
     'StabilityMap',
     'amplitude_loss',
     'boundary_perturbed',
@@ -44,12 +47,14 @@ __all__ = [
     'equivalent_damping',
     'growth_rate',
     'is_stable',
+    'ladder',
     'mathieu_a',
     'mathieu_q',
     'omega_crit_averaged',
     'omega_crit_exact',
     'omega_crit_next_order',
     'omega_crit_upper',
+    'sidebands',
     'slow_frequency_averaged',
     'slow_frequency_exact',
     'slow_frequency_large',
