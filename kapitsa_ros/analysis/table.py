@@ -10,14 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
-
-RPM = 2.0 * math.pi / 60.0
-"""rad/s in one revolution a minute."""
 
 PERIOD_SIGMA = 0.05
 """s; the error of a period where none is given."""

@@ -3,9 +3,10 @@ import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.reduction import inverse, ordinary, slope_ratio
-from kapitsa_ros.analysis.table import RPM, Readings, read_table
+from kapitsa_ros.analysis.table import Readings, read_table
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.share import share_path
+from kapitsa_ros.units import RPM
 
 
 @pytest.fixture

@@ -11,8 +11,6 @@ from kapitsa_ros.physics.samples import Samples
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-RPM = 2 * np.pi / 60
-
 
 def blocks(
     motion: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]],

@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
-from motions import RPM, blocks, shaft, swing  # noqa: F401
+from motions import blocks, swing
 
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.randomness import stream
 from kapitsa_ros.instruments.settings import StopwatchSettings, load_instruments
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.units import RPM
 
 SLOW, FORCING = 12.0, 2500 * RPM
 IDEAL = load_instruments('ideal').stopwatch

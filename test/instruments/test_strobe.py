@@ -1,11 +1,12 @@
 import numpy as np
 import pytest
-from motions import RPM, blocks, shaft
+from motions import blocks, shaft
 
 from kapitsa_ros.instruments.randomness import stream
 from kapitsa_ros.instruments.settings import StrobeSettings, load_instruments
 from kapitsa_ros.instruments.strobe import Strobe
 from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.units import RPM
 
 
 def readings(strobe, steps):

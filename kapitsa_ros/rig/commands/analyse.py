@@ -17,7 +17,7 @@ def analyse(*, bags: tuple[Path, ...], as_json: bool) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.rig.offline import analyse_bags  # noqa: PLC0415
-    from kapitsa_ros.rig.tables import report_tables  # noqa: PLC0415
+    from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
     values = analyse_bags(bags)
     if as_json:

@@ -31,7 +31,7 @@ def experiment(  # noqa: PLR0913
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.rig.experiment import run_experiment  # noqa: PLC0415  # rclpy takes its time
     from kapitsa_ros.rig.progress import shown_progress  # noqa: PLC0415
-    from kapitsa_ros.rig.tables import report_tables  # noqa: PLC0415
+    from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
     setup = Setup(plant=plant, instruments=instruments, protocol=protocol, seed=seed, rate=rate, bags=bags, storage=storage)
     with shown_progress(len(setup.carried_out().speeds)) as on_progress:

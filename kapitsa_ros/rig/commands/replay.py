@@ -19,7 +19,7 @@ def replay(*, bags: tuple[Path, ...], rate: float, as_json: bool) -> None:
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.rig.experiment import replay_bags  # noqa: PLC0415  # rclpy takes its time
     from kapitsa_ros.rig.progress import shown_progress  # noqa: PLC0415
-    from kapitsa_ros.rig.tables import report_tables  # noqa: PLC0415
+    from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
     with shown_progress(len(bags)) as on_progress:
         values = replay_bags(bags, rate, on_progress)

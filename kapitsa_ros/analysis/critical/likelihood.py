@@ -1,0 +1,107 @@
+"""How well a plant explains the evidence: the residuals whose squares add up to −2 ln of the likelihood."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import exprel, log_ndtr
+
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.analysis.critical.evidence import Evidence, Ruler
+
+DAMPING_SIGMA = 0.5
+"""1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
+
+_FLOOR = 1e-5  # relative error below which no reading is trusted
+_NO_SWING = 1e-3  # rad/s, stands for no slow frequency at all
+
+
+class Likelihood:
+    """Residuals as a function of the averaged threshold √(2g/k)/λ, the amplitude λ and the damping c.
+
+    Damping hardly changes the frequency; it narrows the swing while it is timed, and a narrow swing is a faster one.
+    """
+
+    def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float) -> None:
+        self._evidence = evidence
+        self._ruler = ruler
+        self._gravity = gravity
+        self._slowing = np.zeros_like(evidence.timed.period)
+
+    def plant(self, threshold: float, amplitude: float, damping: float) -> PlantParameters:
+        """Return the plant of these parameters; its length is nominal, the inertia factor makes up for it.
+
+        Ω hangs on c² alone; a fit that strays below c = 0 on its way is not stopped there.
+        """
+        k = 2.0 * self._gravity / (amplitude * threshold) ** 2
+        return PlantParameters(
+            length=1.5, amplitude=amplitude, gravity=self._gravity, damping=abs(damping), inertia_factor=k
+        )
+
+    def first_guess(self) -> float:
+        """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""
+        timed, amplitude = self._evidence.timed, self._ruler.amplitude
+        stroke = (amplitude * timed.forcing) ** 2
+        k = (self._gravity + np.sqrt(self._gravity**2 + 2.0 * stroke * timed.slow**2)) / stroke
+        return float(np.median(np.sqrt(2.0 * self._gravity / k) / amplitude))
+
+    def correct_for_width(self, threshold: float, amplitude: float) -> None:
+        """Find by how much the swing as released is slower than a small one."""
+        plant = self.plant(threshold, amplitude, 0.0)
+        for index, speed in enumerate(self._evidence.timed.forcing):
+            try:
+                wide = slow_frequency_nonlinear(plant, float(speed), self._evidence.release)
+            except PhysicsError:
+                continue  # this plant falls, or nobody let go: the swing is left as it is
+            self._slowing[index] = 1.0 - wide / _frequency(plant, float(speed))
+
+    def residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
+        """Return them for the timed runs, the falls and stands, the ruler and the damping."""
+        timed = self._evidence.timed
+        plant = self.plant(threshold, amplitude, damping)
+        small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
+        slow = small * (1.0 - self._slowing * self._wane(damping))
+        steepness = (plant.k * plant.amplitude) ** 2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
+        sigma = timed.period * np.sqrt(
+            (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + _FLOOR**2
+        )
+        exact = threshold * (1.0 + 7.0 / 128.0 * (2.0 * plant.k * amplitude) ** 2)  # the next term of a₀(q), DLMF 28.6
+        return np.concatenate(
+            (
+                (timed.period - 2.0 * math.pi / slow) / sigma,
+                self._bounds(exact),
+                ((amplitude - self._ruler.amplitude) / self._ruler.sigma, damping / DAMPING_SIGMA),
+            )
+        )
+
+    def _wane(self, damping: float) -> NDArray[np.float64]:
+        """Return the mean of A²/A₀² between the first press, ¾ of a period after the release, and the last."""
+        first = damping * 0.75 * self._evidence.timed.period
+        timed = damping * self._evidence.swings * self._evidence.timed.period
+        return np.asarray(np.exp(-first) * exprel(-timed))
+
+    def _bounds(self, threshold: float) -> list[float]:
+        """Weigh falls and stands; a wide release falls a little above the threshold, out of the effective well."""
+        fallen = threshold / math.sqrt(math.cos(self._evidence.release))
+        fell = [_reluctance(fallen - speed, sigma, speed) for speed, sigma in self._evidence.fell]
+        return fell + [_reluctance(speed - threshold, sigma, speed) for speed, sigma in self._evidence.stood]
+
+
+def _reluctance(margin: float, sigma: float, speed: float) -> float:
+    return math.sqrt(-2.0 * float(log_ndtr(margin / max(sigma, _FLOOR * speed))))
+
+
+def _frequency(plant: PlantParameters, speed: float) -> float:
+    try:
+        return slow_frequency_exact(plant, speed) or _NO_SWING
+    except PhysicsError:  # so far below the threshold that no swing can be meant
+        return _NO_SWING

@@ -1,0 +1,44 @@
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.rig.commands.reduce import reduce
+
+KEYS = {'ols_rpm', 'inverse_rpm', 'eiv_rpm', 'eiv_interval_rpm', 'slope_ratio', 'predicted_rpm', 'error_percent'}
+
+
+def run(*arguments):
+    result = CliRunner().invoke(reduce, arguments)
+    assert result.exception is None, result.exception
+    return result.output
+
+
+@pytest.mark.parametrize('table', [[], ['1997'], ['1997.csv'], ['config/tables/1997.csv']])
+def test_table_of_1997(table, request, monkeypatch):
+    monkeypatch.chdir(request.config.rootpath)
+    values = json.loads(run(*table, '--json'))
+    assert set(values) == KEYS
+    assert values['ols_rpm'] == pytest.approx(1636.2478, abs=1e-4)
+    assert values['inverse_rpm'] == pytest.approx(1639.9930, abs=1e-4)
+    assert values['predicted_rpm'] == pytest.approx(1353.0584, abs=1e-4)
+    assert values['slope_ratio'] == pytest.approx(0.51452, abs=1e-5)
+    assert values['error_percent'] == pytest.approx(21.2, abs=0.05)
+
+
+def test_unbounded_ends_are_null_and_said(tmp_path):
+    table = tmp_path / 'flat.csv'
+    table.write_text('forcing_rpm,period_s\n2240,0.62\n2640,0.60\n2780,0.59\n')
+    assert json.loads(run(str(table), '--json'))['eiv_interval_rpm'][0] is None
+    assert 'unbounded' in run(str(table))
+
+
+def test_runs_that_contradict_are_refused(tmp_path):
+    table = tmp_path / 'slowing.csv'
+    table.write_text('forcing_rpm,period_s\n2240,0.6\n2640,0.7\n')
+    assert isinstance(CliRunner().invoke(reduce, [str(table)]).exception, TableError)
+
+
+def test_other_rods_have_other_predictions():
+    assert json.loads(run('--amplitude', '0.375in', '--json'))['predicted_rpm'] == pytest.approx(1804.08, abs=0.01)
