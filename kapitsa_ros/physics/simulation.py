@@ -11,7 +11,7 @@ import numpy as np
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels import layout
 from kapitsa_ros.physics.kernels.cosine import TOO_THICK, advance_cosine
-from kapitsa_ros.physics.stepping import longest_step, steps_per_turn
+from kapitsa_ros.physics.stepping import longest_step, steps_per_turn, whole_samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -89,9 +89,7 @@ class Release:
             The promised accuracy cannot be kept, or impacts come too thick.
 
         """
-        if not (0 < sample_rate < math.inf and math.isfinite(duration) and duration * sample_rate >= 1):
-            raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')
-        count = math.floor(duration * sample_rate * (1 + 1e-12))
+        count = whole_samples(duration, sample_rate)
         stride = math.ceil(1.0 / (sample_rate * longest_step(self.plant, self.speed)))
         step = 1.0 / (sample_rate * stride)
         state = self._state()
