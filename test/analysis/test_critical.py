@@ -118,6 +118,7 @@ def test_error_of_the_speed_widens_the_interval_by_its_effect():
     assert np.diff(blurred.interval) == pytest.approx(np.diff(by_hand.interval), rel=0.05)
 
 
+@pytest.mark.slow
 def test_line_covers_the_truth_as_often_as_it_says():
     slope, critical = 0.0029, 1400 * RPM
     speeds = np.array([1700.0, 2000, 2300, 2700]) * RPM
