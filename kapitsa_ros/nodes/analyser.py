@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.analysis.run import Run, RunBuilder
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
 from kapitsa_ros.nodes.settings import SettingsInbox
@@ -21,6 +23,8 @@ class AnalyserNode(JoinedStage):
     """Executable `analyser`. Its result for a step acknowledges that step."""
 
     def __init__(self) -> None:
+        # Kernels take a third of a second to load: better now, before others count on this node.
+        omega_crit_exact(PlantParameters())
         super().__init__(
             'analyser',
             reads=(topics.STROBE, topics.STOPWATCH, topics.COMMAND),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
@@ -14,11 +15,12 @@ from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import JoinedStage
 from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.recording.wire import stamp_of
+from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.samples import Samples
 from kapitsa_ros.physics.steps import SECOND
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.samples import Samples
     from kapitsa_ros.physics.steps import Tick
 
 
@@ -26,6 +28,8 @@ class PendulumNode(JoinedStage):
     """Executable `pendulum`."""
 
     def __init__(self) -> None:
+        # Kernels take a third of a second to load: better now, before others count on this node.
+        Pendulum(PlantParameters()).advance(Samples(0.001, *np.zeros((3, 101))))
         super().__init__(
             'pendulum', reads=(topics.PIVOT, topics.COMMAND), writes=(topics.MOTION,), follows=(topics.COMMAND,)
         )

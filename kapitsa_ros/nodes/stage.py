@@ -105,7 +105,7 @@ class Stage(Node):
 
     def finish(self) -> None:
         """Leave once the last messages have been taken by their readers."""
-        for publisher in self._out.values():
+        for publisher in self.publishers:
             publisher.wait_for_all_acked(DRAIN)
         self.finished = True
 

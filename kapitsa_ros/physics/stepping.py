@@ -12,9 +12,9 @@ LONGEST_STEP = math.pi / 4  # in units of the fastest rate at work; order 16 the
 
 
 def longest_step(plant: PlantParameters, speed: float) -> float:
-    """Return the longest step for a cosine drive, seconds: short against forcing, restoring torque and damping alike."""
+    """Return the longest step for a cosine drive, s: short against forcing, restoring torque and damping alike."""
     stiffness = plant.k * (plant.gravity + plant.amplitude * speed**2)
-    return LONGEST_STEP / max(speed, math.sqrt(stiffness), plant.damping)
+    return LONGEST_STEP / max(speed, 2.0 * math.sqrt(stiffness), plant.damping)
 
 
 def steps_per_turn(plant: PlantParameters, speed: float) -> int:

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 import os
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from kapitsa_ros.share import share_path
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 RIG_PID = 'KAPITSA_RIG_PID'
 """A node whose parent is no longer this process ends: nothing outlives its rig."""
@@ -12,10 +17,27 @@ RIG_PID = 'KAPITSA_RIG_PID'
 
 def node_environment(domain: int) -> dict[str, str]:
     """Return the environment for a node of a rig in a domain."""
-    environment = dict(os.environ)
-    environment['ROS_DOMAIN_ID'] = str(domain)
-    environment[RIG_PID] = str(os.getpid())
-    if environment.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST') == 'LOCALHOST':
-        # The range alone keeps packets on this machine; the profile also closes the other interfaces' sockets.
-        environment.setdefault('FASTRTPS_DEFAULT_PROFILES_FILE', str(share_path('config', 'loopback.xml')))
-    return environment
+    return {**os.environ, **_loopback(), 'ROS_DOMAIN_ID': str(domain), RIG_PID: str(os.getpid())}
+
+
+@contextmanager
+def on_loopback() -> Iterator[None]:
+    """Let a participant that this process makes in the context keep to the interfaces of the nodes."""
+    added = _loopback()
+    os.environ.update(added)
+    try:
+        yield
+    finally:
+        for name in added:
+            del os.environ[name]
+
+
+def _loopback() -> dict[str, str]:
+    """Return what the environment lacks to stay on this machine, unless it says something else."""
+    asked = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    if asked != 'LOCALHOST':
+        return {}
+    # The range alone keeps packets on this machine; the profile also closes the other interfaces' sockets.
+    profile = str(share_path('config', 'loopback.xml'))
+    wanted = {'ROS_AUTOMATIC_DISCOVERY_RANGE': asked, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
+    return {name: value for name, value in wanted.items() if name not in os.environ}

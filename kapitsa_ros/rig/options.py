@@ -5,13 +5,12 @@ from __future__ import annotations
 import functools
 import json
 import math
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.parameters import PRESETS, PlantParameters, load_preset
+from kapitsa_ros.physics.parameters import PRESETS, load_preset
 from kapitsa_ros.units import parse_angle, parse_length, parse_speed
 
 if TYPE_CHECKING:
@@ -50,6 +49,8 @@ _PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (
     ('clearance', LENGTH, 'diametral play of the pivot hole, D'),
     ('restitution', float, 'restitution of impacts within the play, e'),
     ('inertia_factor', float, 'κ in k = κ·3/(2L)'),
+    ('wear', float, 'growth of the clearance, m per J/kg that impacts lose'),
+    ('failure_clearance', LENGTH, 'play at which the hole has worn through'),
 )
 
 
@@ -58,7 +59,7 @@ def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
     @functools.wraps(command)
     def with_plant(*args: Any, preset: str, **kwargs: Any) -> Any:
-        overrides = {field.name: kwargs.pop(field.name) for field in fields(PlantParameters)}
+        overrides = {name: kwargs.pop(name) for name, _, _ in _PLANT_OPTIONS}
         return command(*args, plant=load_preset(preset, _given(overrides)), **kwargs)
 
     for name, kind, text in reversed(_PLANT_OPTIONS):

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """The rod on a pivot that moves as a pure cosine, in steps that divide the time between samples."""
 
 from __future__ import annotations

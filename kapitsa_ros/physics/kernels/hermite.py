@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """Interpolation of a sampled motion by its values, rates and accelerations.
 
 Through m neighbouring samples with all three there is one polynomial of degree 3m − 1 (Hermite); with m = 4 its second

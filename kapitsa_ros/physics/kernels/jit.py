@@ -14,6 +14,9 @@ _R = TypeVar('_R')
 
 
 def kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered."""
-    compiled: Any = numba.njit(cache=True, fastmath={'contract'}, error_model='numpy')(function)
+    """Compile on first call and keep the machine code on disk.
+
+    Products and sums must not fuse: code from the disk and code just compiled would round differently.
+    """
+    compiled: Any = numba.njit(cache=True, error_model='numpy')(function)
     return compiled  # type: ignore[no-any-return]

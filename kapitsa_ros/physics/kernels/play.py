@@ -1,7 +1,7 @@
 """Play at the pivot: the hole rests on the pin, flies free of it and strikes it again.
 
-The pin's motion is prescribed. The hole's centre stays within ±D/2 of it; in contact it shares the pin's acceleration, in
-flight it falls freely, and an impact changes its velocity by −(1 + e) times the relative one.
+The pin's motion is prescribed. The hole's centre stays within ±D/2 of it; in contact it shares the pin's acceleration,
+in flight it falls freely, and an impact changes its velocity by −(1 + e) times the relative one.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def expand_gap(
     lifting: bool,  # noqa: FBT001
     gap: NDArray[np.float64],
 ) -> None:
-    """Settle whether the hole rests on the pin at the start of a piece, and fill `gap` with the series of its offset."""
+    """Settle whether the hole rests on the pin as a piece begins, and fill `gap` with the series of its offset."""
     gap[:] = 0.0
     if state[CLEARANCE] == 0.0:
         return

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """The rod over one interval of smooth pivot motion: free, rubbing, stuck, falling over, in play.
 
 Between events the motion is one power series; every event (reversal, stick, slip, lift-off, impact, stop) is the first
@@ -182,8 +183,8 @@ def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) 
     """Return the load's share of θ″ (times h²)."""
     if state[CONTACT] == IN_FLIGHT:
         return 0.0
-    lean = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
-    return plant[K] * load * lean
+    lean: float = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
+    return float(plant[K] * load * lean)
 
 
 @kernel

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """The rod on a sampled pivot: one block of samples, each interval a polynomial of the pivot's motion."""
 
 from __future__ import annotations
@@ -66,19 +67,20 @@ def advance_block(
     intervals = pivot.shape[1] - 1
     load = np.empty((intervals, weights.shape[1]))
     acceleration_series(weights, period, pivot[0], pivot[1], pivot[2], load)
-    if _too_coarse(load, period * period * plant[GRAVITY], pivot[0]):
+    weight = period * period * plant[GRAVITY]
+    if _too_coarse(load, weight, pivot[0]):
         return TOO_COARSE
-    load[:, 0] += period * period * plant[GRAVITY]
 
     work = np.empty((WORK_ROWS, ORDER + 1))
-    _record(load[0, 0], period, plant, state, motion[:, 0])
+    _record(load[0, 0] + weight, period, plant, state, motion[:, 0])
     for i in range(intervals):
         start = 0.0
         if state[MODE] == HELD:
-            start = _release(period * pivot[1, i], load[i], period, plant, state)
+            start = _release(period * pivot[1, i], load[i], state)
+        load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
             return TOO_THICK
-        at_end = load[i + 1, 0] if i + 1 < intervals else value(load[i], 1.0)
+        at_end = load[i + 1, 0] + weight if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
     return DONE
 
@@ -98,20 +100,13 @@ def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.f
 
 
 @kernel
-def _release(
-    pace: float,
-    load: NDArray[np.float64],
-    period: float,
-    plant: NDArray[np.float64],
-    state: NDArray[np.float64],
-) -> float:
+def _release(pace: float, acceleration: NDArray[np.float64], state: NDArray[np.float64]) -> float:
     """Return the τ at which the catch lets go, at the bottom of the stroke or where the pivot rests; else `NEVER`."""
     if state[RELEASING] == 0.0:
         return NEVER
-    rise = np.empty(load.size + 1)
+    rise = np.empty(acceleration.size + 1)
     rise[0] = pace
-    rise[1:] = load / np.arange(1.0, load.size + 1.0)
-    rise[1] -= period * period * plant[GRAVITY]
+    rise[1:] = acceleration / np.arange(1.0, acceleration.size + 1.0)
     resting = True
     for n in range(rise.size):
         resting &= rise[n] == 0.0

@@ -1,6 +1,7 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """Power series of the rod's angle, and the polynomials that go with it.
 
-A step is one unit of the local time τ; every series is scaled to it, so its coefficients shrink as the method converges.
+A step is one unit of the local time τ; every series is scaled to it, so its coefficients shrink as it converges.
 Recurrences for sine and cosine: Jorba & Zou, Experimental Mathematics 14 (2005) 99, prop. 1.
 """
 

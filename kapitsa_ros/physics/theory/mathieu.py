@@ -14,6 +14,10 @@ from scipy.optimize import newton
 from kapitsa_ros.physics.kernels.mathieu import half_period
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
     from kapitsa_ros.physics.parameters import PlantParameters
 
 
@@ -61,10 +65,10 @@ def _size(q: float) -> int:
     return 12 + int(3.0 * math.sqrt(abs(q)))
 
 
-def _lowest(diagonal: np.ndarray, off: np.ndarray) -> float:
+def _lowest(diagonal: NDArray[np.floating], off: NDArray[np.floating]) -> float:
     return float(np.linalg.eigvalsh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))[0])
 
 
-def _polished(edge: object, guess: float) -> float:
+def _polished(edge: Callable[[float], float], guess: float) -> float:
     """Take the rounding of the eigenvalue out of an edge: the power series is good to the last bits near it."""
     return float(newton(edge, guess, x1=guess + 1e-6, tol=1e-15))

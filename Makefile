@@ -1,0 +1,46 @@
+# make setup       .venv with everything, kernels compiled
+# make experiment  the laboratory of 1997: three runs, three tables
+# make test        the tests CI runs
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+CONSTRAINTS ?= constraints.txt
+# Whatever is started here keeps to this machine.
+export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
+
+.PHONY: setup experiment test test-slow test-oldest lint bench bags clean
+
+setup: $(VENV)/.done
+
+$(VENV)/.done: setup.py $(CONSTRAINTS)
+	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) 'setuptools<80' wheel
+	$(BIN)/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) --no-build-isolation -e '.[all]'
+	$(BIN)/python -m kapitsa_ros.physics.warm
+	touch $@
+
+experiment: setup
+	rm -rf runs
+	$(BIN)/kapitsa experiment --preset as_built_1997 --bags runs
+
+test: setup
+	$(BIN)/python -m pytest -m 'not slow'
+
+test-slow: setup
+	$(BIN)/python -m pytest -m slow
+
+test-oldest:
+	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt
+
+lint: setup
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# The three recorded runs that are shipped.
+bags: setup
+	rm -rf bags/run_*
+	$(BIN)/kapitsa experiment --preset as_built_1997 --seed 1997 --bags bags
+
+clean:
+	rm -rf .venv .venv-oldest runs build install log

@@ -1,0 +1,102 @@
+"""A spectator in the rig's own process: listens to the graph without having a part in it."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+
+from kapitsa_ros.nodes.qos import STREAM, message_class
+from kapitsa_ros.nodes.stage import ends_session
+from kapitsa_ros.recording.messages import decode_result
+from kapitsa_ros.recording.topics import RESULT
+from kapitsa_ros.recording.wire import read_tick
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+
+class Observer:
+    """Keeps the newest progress and the newest results. A context: it listens while it lasts.
+
+    Parameters
+    ----------
+    domain
+        ROS domain of the rig.
+    on_progress
+        Called from another thread with the values of each progress report.
+
+    """
+
+    def __init__(self, domain: int, on_progress: Callable[[dict[str, str]], None] = lambda values: None) -> None:
+        self.progress: dict[str, str] = {}
+        """Values of the newest report."""
+        self.runs: list[dict[str, Any]] = []
+        """Results of each run, in order, as the analyser published them."""
+        self.experiment: dict[str, Any] = {}
+        """Results of all runs so far together."""
+        self._ended = threading.Event()
+        self._on_progress = on_progress
+        self._context = Context()
+        rclpy.init(context=self._context, domain_id=domain)
+        self._node = Node('observer', context=self._context, start_parameter_services=False, enable_rosout=False)
+        self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
+        self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
+        self._executor = EventsExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+
+    def __enter__(self) -> Observer:
+        """Begin to listen."""
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop listening."""
+        self._context.try_shutdown()
+        self._thread.join()
+        self._executor.shutdown()
+        self._node.destroy_node()
+
+    def wait_for_end(self, timeout: float = 5.0) -> None:
+        """Wait until the analyser's last word has come.
+
+        Raises
+        ------
+        TimeoutError
+            It did not.
+
+        """
+        if not self._ended.wait(timeout):
+            raise TimeoutError('the analyser did not say that the session is over')
+
+    def _spin(self) -> None:
+        try:
+            while self._context.ok():
+                self._executor.spin_once(timeout_sec=1.0)
+        except ExternalShutdownException:
+            pass
+
+    def _take_progress(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.name.endswith(': progress'):
+                self.progress = {pair.key: pair.value for pair in status.values}
+                self._on_progress(self.progress)
+
+    def _take_result(self, raw: bytes) -> None:
+        for name, values in decode_result(raw).items():
+            if name == 'experiment':
+                self.experiment = values
+            else:
+                self.runs.append(values)
+        if ends_session(read_tick(raw)):
+            self._ended.set()

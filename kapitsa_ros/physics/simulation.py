@@ -1,0 +1,147 @@
+"""One run without the graph: the rod released at rest on a pivot that moves as a pure cosine."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
+from kapitsa_ros.physics.kernels import layout
+from kapitsa_ros.physics.kernels.cosine import TOO_THICK, advance_cosine
+from kapitsa_ros.physics.stepping import longest_step, steps_per_turn
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+STOP = math.pi / 2
+PROMISED = 1e-11  # rad left out of one step at most
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trajectory:
+    """What the rod did, at equidistant times from the release on."""
+
+    time: NDArray[np.float64]
+    """s, shape (N,)."""
+    angle: NDArray[np.float64]
+    """θ, rad, shape (N,)."""
+    rate: NDArray[np.float64]
+    """θ′, rad/s, shape (N,)."""
+    fell: bool
+    """It lies at the stop, or has come off its pivot."""
+    stuck: bool
+    """Friction held it when the run ended."""
+    clearance: float
+    """D at the end, m."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Release:
+    """A rod let go at rest at time 0.
+
+    Raises
+    ------
+    ParameterError
+        A value is not finite or out of its range.
+
+    """
+
+    plant: PlantParameters
+    speed: float
+    """ω, rad/s."""
+    angle: float
+    """θ, rad, short of the horizontal."""
+    phase: float = 0.0
+    """p of the pivot, rad: 0 is the bottom of the stroke."""
+    linear: bool = False
+    """Take θ for sin θ (report, eq. 2)."""
+
+    def __post_init__(self) -> None:
+        if not 0 < self.speed < math.inf:
+            raise ParameterError(f'speed is {self.speed} rad/s: give a finite speed above 0')
+        if not abs(self.angle) < STOP:
+            raise ParameterError(f'release angle is {self.angle} rad: it must lie within ±π/2')
+        if not math.isfinite(self.phase):
+            raise ParameterError(f'phase is {self.phase}: give a finite number')
+
+    def sampled(self, duration: float, sample_rate: float = 1000.0) -> Trajectory:
+        """Integrate over a duration (s) and sample it, the start included.
+
+        Raises
+        ------
+        ParameterError
+            The duration holds no sample period.
+        PhysicsError
+            The promised accuracy cannot be kept, or impacts come too thick.
+
+        """
+        if not (0 < sample_rate < math.inf and math.isfinite(duration) and duration * sample_rate >= 1):
+            raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')
+        count = math.floor(duration * sample_rate * (1 + 1e-12))
+        stride = math.ceil(1.0 / (sample_rate * longest_step(self.plant, self.speed)))
+        step = 1.0 / (sample_rate * stride)
+        turns = self.speed / (2.0 * math.pi) * step
+        state = self._state()
+        motion = self._advance(state, self._start, step, turns, stride, count)
+        return _trajectory(np.arange(count + 1) / sample_rate, motion, state)
+
+    def strobed(self, turns: int) -> Trajectory:
+        """Integrate over a number of turns of the shaft and look at each bottom of the stroke, exactly in phase."""
+        period = 2.0 * math.pi / self.speed
+        stride = steps_per_turn(self.plant, self.speed)
+        lead = (1.0 - self._start) % 1.0
+        state = self._state()
+        if lead > 0:
+            self._advance(state, self._start, lead * period / stride, lead / stride, stride, 1)
+        motion = self._advance(state, 0.0, period / stride, 1.0 / stride, stride, turns)
+        return _trajectory((lead + np.arange(turns + 1)) * period, motion, state)
+
+    @property
+    def _start(self) -> float:
+        """Turns from the bottom at time 0."""
+        return (self.phase / (2.0 * math.pi)) % 1.0
+
+    def _state(self) -> NDArray[np.float64]:
+        state = layout.state_at_rest(self.angle, self.plant.clearance)
+        state[layout.MODE] = layout.MOVING
+        return state
+
+    def _advance(
+        self,
+        state: NDArray[np.float64],
+        start: float,
+        step: float,
+        turns: float,
+        stride: int,
+        count: int,
+    ) -> NDArray[np.float64]:
+        motion = np.empty((2, count + 1))
+        constants = layout.constants(self.plant, stop=STOP, linear=self.linear)
+        left_out = advance_cosine(
+            self.plant.amplitude, self.speed, start, step, turns, stride, constants, state, motion
+        )
+        if left_out == TOO_THICK:
+            raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
+        if not left_out <= PROMISED:
+            raise PhysicsError(f'a step leaves out {left_out:.1g} rad: the rod swings too wildly for 1e-8 rad')
+        return motion
+
+
+def _trajectory(
+    time: NDArray[np.float64],
+    motion: NDArray[np.float64],
+    state: NDArray[np.float64],
+) -> Trajectory:
+    return Trajectory(
+        time=time,
+        angle=motion[0],
+        rate=motion[1],
+        fell=bool(state[layout.MODE] >= layout.FALLEN),
+        stuck=bool(state[layout.MODE] == layout.STUCK),
+        clearance=float(state[layout.CLEARANCE]),
+    )

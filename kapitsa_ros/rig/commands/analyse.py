@@ -1,0 +1,28 @@
+"""`kapitsa analyse`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from rich.console import Console
+
+from kapitsa_ros.rig.options import json_option, print_json
+
+
+@click.command()
+@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@json_option
+def analyse(*, bags: tuple[Path, ...], as_json: bool) -> None:
+    """Analyse recorded runs from what was read and commanded, without the graph."""
+    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+    from kapitsa_ros.rig.offline import analyse_bags  # noqa: PLC0415
+    from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
+
+    values = analyse_bags(bags)
+    if as_json:
+        print_json(values)
+        return
+    console = Console()
+    for table in report_tables(values, RunBag(bags[0]).run.plant):
+        console.print(table)

@@ -1,0 +1,64 @@
+"""`kapitsa simulate`: one run without the graph."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+import numpy as np
+
+from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.slow_motion import observe
+from kapitsa_ros.rig.table_files import SUFFIXES, write_table
+from kapitsa_ros.rig.options import ANGLE, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+
+@click.command()
+@plant_options
+@click.option('--speed', type=SPEED, required=True, help='forcing speed ω')
+@click.option('--release', type=ANGLE, required=True, help='θ at rest at time 0')
+@click.option('--phase', type=ANGLE, default=0.0, show_default=True, help='p: 0 starts the pivot at the bottom')
+@click.option('--duration', type=float, required=True, help='seconds')
+@click.option('--linear', is_flag=True, help='θ for sin θ')
+@click.option('--output', type=click.Path(path_type=Path, dir_okay=False), help=f'file for the motion: {SUFFIXES}')
+@click.option('--sample-rate', type=float, default=1000.0, show_default=True, help='Hz')
+@json_option
+def simulate(
+    plant: PlantParameters,
+    speed: float,
+    release: float,
+    phase: float,
+    duration: float,
+    output: Path | None,
+    sample_rate: float,
+    *,
+    linear: bool,
+    as_json: bool,
+) -> None:
+    """Release the rod at rest on a shaking pivot and say what becomes of it."""
+    run = Release(plant=plant, speed=speed, angle=release, phase=phase, linear=linear)
+    motion = run.sampled(duration, sample_rate)
+    slow = observe(run, duration)
+    if output is not None:
+        pivot = -plant.amplitude * np.cos(speed * motion.time + phase)
+        columns = {'time_s': motion.time, 'angle_rad': motion.angle, 'rate_rad_s': motion.rate, 'pivot_m': pivot}
+        write_table(output, columns)
+    answer = {
+        'slow_rpm': None if slow.frequency is None else slow.frequency / RPM,
+        'growth_per_s': slow.growth,
+        'max_angle_rad': float(np.abs(motion.angle).max()),
+        'fell': motion.fell,
+        'final_angle_rad': float(motion.angle[-1]),
+        'stuck': motion.stuck,
+        'periods': slow.periods,
+    }
+    if as_json:
+        print_json(answer)
+    else:
+        for name, value in answer.items():
+            click.echo(f'{name:16} {value}')

@@ -1,0 +1,34 @@
+"""Recorded runs without the graph."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.analysis.results import experiment_values, run_values
+from kapitsa_ros.recording.reader import RunBag
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+
+def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
+    """Analyse recorded runs from their readings.
+
+    Raises
+    ------
+    BagError
+        A path is no run.
+    RunError
+        The runs do not belong together.
+
+    """
+    bags = [RunBag(path) for path in paths]
+    runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
+    return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags]))
+
+
+def recorded_values(bag: RunBag) -> dict[str, Any]:
+    """Return what is to be said of a bag besides its readings."""
+    return {'bag': str(bag.path), 'samples': int(bag.motion.angle.size), 'gaps': bag.motion.gaps}

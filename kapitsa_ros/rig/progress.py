@@ -1,0 +1,34 @@
+"""Progress on stderr, where stderr is a terminal; a line a run where it is not."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from rich.console import Console
+from rich.status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+
+@contextmanager
+def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
+    """Show how far the graph is; yield what takes the reports."""
+    console = Console(file=sys.stderr)
+    status = Status(f'starting the graph for {runs} run(s)', console=console)
+    told: set[str] = set()
+
+    def take(values: dict[str, str]) -> None:
+        run, simulated, factor = values['run'], float(values['simulated_s']), float(values['realtime_factor'])
+        if int(run) > runs:
+            return
+        text = f'run {run} of {runs}: {simulated:.0f} s simulated, {factor:.0f} times real time'
+        status.update(text)
+        if not console.is_terminal and run not in told:
+            told.add(run)
+            console.print(text, highlight=False)
+
+    with status:
+        yield take

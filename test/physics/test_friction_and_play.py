@@ -1,0 +1,162 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from laboratory import jigsaw_at, swing
+from truth import ENTRIES, plant_of, speed_of
+
+from kapitsa_ros.physics import theory
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.kernels import layout
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.units import RPM
+
+SPEED = 2500 * RPM
+TURN = 2 * math.pi / SPEED
+
+
+def cycle_mean(angle, samples_a_turn):
+    window = np.ones(samples_a_turn + 1)
+    window[[0, -1]] = 0.5
+    return np.convolve(angle, window / samples_a_turn, mode='valid')
+
+
+def slow_swing(name, **overrides):
+    entry = ENTRIES[name]
+    plant = replace(plant_of(entry['params']), **overrides)
+    times, angle, _, _ = swing(plant, SPEED, entry['params']['theta0'], blocks=60, duration=2 * TURN, count=96)
+    mean = cycle_mean(angle, 48)
+    times = times[24 : 24 + mean.size]
+    sign = np.nonzero(mean[1:] * mean[:-1] < 0)[0]
+    crossings = times[sign] - mean[sign] * (times[sign + 1] - times[sign]) / (mean[sign + 1] - mean[sign])
+    return mean, sign, crossings
+
+
+def test_coulomb_friction_takes_the_published_amplitude():
+    entry = ENTRIES['coul_peak3_f1']
+    mean, crossings, _ = slow_swing('coul_peak3_f1')
+    assert np.abs(mean[crossings[1] : crossings[2]]).max() == pytest.approx(entry['value'], rel=1e-4)
+
+
+def test_coulomb_friction_hardly_changes_the_period():
+    entry = ENTRIES['coul_T1_f2']
+    _, _, crossings = slow_swing('coul_T1_f2')
+    assert crossings[2] - crossings[0] == pytest.approx(entry['value'], rel=entry['tol'])
+
+
+@pytest.mark.parametrize('name', ['buzz_ratio_1640', 'buzz_ratio_2500'])
+@pytest.mark.parametrize('coulomb', [0.5, 2.0])
+def test_it_buzzes_off_upright_at_the_published_angle(name, coulomb):
+    entry = ENTRIES[name]
+    plant = replace(plant_of(entry['params']), coulomb=coulomb)
+    speed = speed_of(entry['params'])
+    stuck_zone = coulomb / (plant.k * (plant.gravity + plant.amplitude * speed**2))
+    _, angle, _, pendulum = swing(plant, speed, 15 * stuck_zone, blocks=2000, duration=2 * math.pi / speed, count=40)
+    assert not pendulum.fell
+    assert angle[-1] / stuck_zone == pytest.approx(entry['value'], rel=1e-4)
+
+
+def test_inside_the_stuck_zone_it_does_not_move():
+    plant = PlantParameters(coulomb=5.0)
+    zone = ENTRIES['theta_s_2500_f5']['value']
+    _, angle, rate, pendulum = swing(plant, SPEED, 0.999 * zone, blocks=20)
+    assert pendulum.stuck
+    assert np.all(angle == angle[0])
+    assert not rate.any()
+    _, angle, _, _ = swing(plant, SPEED, 1.001 * zone, blocks=20)
+    assert np.ptp(angle) > 0
+
+
+@pytest.mark.parametrize('release', [0.003, 0.05, 0.3])
+def test_friction_never_adds_energy_on_a_resting_pivot(release):
+    """On a pivot at rest the energy ½θ′² + kg cos θ falls whatever the friction."""
+    plant = PlantParameters(coulomb=0.2, damping=0.05)
+    jigsaw, pendulum = jigsaw_at(100.0), Pendulum(plant, stop=7.0)
+    jigsaw.advance(0.0, 0.1, 1)
+    pendulum.hold(math.pi - release)
+    pendulum.release()
+    motions = [pendulum.advance(jigsaw.advance(0.0, 0.1, 100)) for _ in range(250)]
+    energy = np.concatenate([0.5 * m.rate**2 + plant.k * plant.gravity * np.cos(m.position) for m in motions])
+    assert np.all(np.diff(energy) <= 1e-13)
+    assert pendulum.stuck
+
+
+def test_a_swing_on_a_resting_pivot_loses_the_friction_work_exactly():
+    """From one turning point to the next the energy lost is f times the way gone."""
+    plant = PlantParameters(coulomb=0.4)
+    jigsaw, pendulum = jigsaw_at(100.0), Pendulum(plant, stop=7.0)
+    jigsaw.advance(0.0, 0.1, 1)
+    pendulum.hold(math.pi - 0.5)
+    pendulum.release()
+    motions = [pendulum.advance(jigsaw.advance(0.0, 0.1, 100)) for _ in range(250)]
+    angle = np.concatenate([m.position for m in motions])
+    rate = np.concatenate([m.rate for m in motions])
+    way = np.sum(np.abs(np.diff(angle)))
+    # Between samples that straddle a turning point a little of the way is missing: at most the parabola's height.
+    energy = 0.5 * rate**2 + plant.k * plant.gravity * np.cos(angle)
+    assert (energy[0] - energy[-1]) / plant.coulomb == pytest.approx(way, abs=2e-4)
+    assert pendulum.stuck
+
+
+@pytest.mark.parametrize('name', ['play_0.2mm', 'play_0.5mm', 'play_1mm'])
+def test_play_stiffens_the_slow_motion_as_published(name):
+    entry = ENTRIES[name]
+    # The amplitude is small enough for the linear frequency; a whole number of samples a turn strobes the motion.
+    _, angle, rate, _ = swing(plant_of(entry['params']), SPEED, 0.002, blocks=500, duration=TURN, count=24)
+    strobed, paced = angle[480::24], rate[480::24]  # the first 20 turns let the hole settle on the pin
+    following = np.stack((strobed[1:], paced[1:]))
+    before = np.stack((strobed[:-1], paced[:-1]))
+    monodromy = following @ np.linalg.pinv(before)
+    slow = abs(np.angle(np.linalg.eigvals(monodromy)[0])) / TURN / RPM
+    assert slow == pytest.approx(entry['value'], rel=2e-5)
+
+
+def test_play_at_zero_clearance_equals_no_play():
+    _, none, _, _ = swing(PlantParameters(), SPEED, 0.1, blocks=10)
+    gaps = (1e-7, 1e-8)
+    off = [np.abs(swing(PlantParameters(clearance=gap), SPEED, 0.1, blocks=10)[1] - none).max() for gap in gaps]
+    assert off[0] < 1e-4
+    assert off[1] / off[0] == pytest.approx(0.1, rel=0.05)
+
+
+@pytest.mark.parametrize('restitution', [0.0, 0.3, 0.9, 1.0])
+def test_the_hole_stays_on_the_pin(restitution):
+    plant = PlantParameters(clearance=5e-4, restitution=restitution, coulomb=0.3)
+    jigsaw, pendulum = jigsaw_at(SPEED), Pendulum(plant)
+    pendulum.hold(0.05)
+    pendulum.release()
+    for _ in range(400):
+        pendulum.advance(jigsaw.advance(SPEED, 0.001, 4))
+        assert abs(pendulum._state[layout.GAP]) <= 2.5e-4 * (1 + 1e-12)
+    assert (pendulum.impact_energy > 0) == (restitution < 1)
+
+
+def test_wear_grows_the_clearance_with_the_energy_of_the_impacts_until_the_rod_comes_off():
+    plant = PlantParameters(clearance=2e-4, wear=2e-5, failure_clearance=4e-4)
+    _, _, _, pendulum = swing(plant, SPEED, 0.1, blocks=3)
+    assert pendulum.clearance == pytest.approx(2e-4 + 2e-5 * pendulum.impact_energy, rel=1e-12)
+    assert not pendulum.failed
+    _, angle, _, pendulum = swing(plant, SPEED, 0.1, blocks=100)
+    assert pendulum.failed
+    assert pendulum.fell
+    assert angle[-1] == angle[-2]
+    with pytest.raises(PhysicsError, match='worn'):
+        pendulum.hold(0.1)
+
+
+def test_small_swings_with_friction_free_pivot_follow_linear_theory():
+    _, angle, _, _ = swing(PlantParameters(), SPEED, 1e-3, blocks=100, linear=True)
+    _, double, _, _ = swing(PlantParameters(), SPEED, 2e-3, blocks=100, linear=True)
+    np.testing.assert_allclose(double, 2 * angle, rtol=0, atol=1e-15)
+    assert theory.slow_frequency_exact(PlantParameters(), SPEED) > 0
+
+
+def test_linear_and_nonlinear_part_with_the_cube_of_the_amplitude():
+    apart = []
+    for release in (0.02, 0.04):
+        _, full, _, _ = swing(PlantParameters(), SPEED, release, blocks=10)
+        _, line, _, _ = swing(PlantParameters(), SPEED, release, blocks=10, linear=True)
+        apart.append(np.abs(full - line).max())
+    assert math.log2(apart[1] / apart[0]) == pytest.approx(3, abs=0.02)

@@ -1,0 +1,144 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+from truth import ENTRIES, matching_digits, plant_of, speed_of
+
+from kapitsa_ros.physics import theory
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.units import RPM
+
+
+def upper_threshold(_):
+    """Return λ/L where b₁(q) = 0."""
+    return brentq(theory.characteristic_b1, 0.5, 1.5, xtol=1e-14) / 3
+
+
+def nonlinear(params):
+    return theory.slow_frequency_nonlinear(plant_of(params), speed_of(params), params['theta0'], params['phase']) / RPM
+
+
+ANSWERS = {
+    'q': lambda params: theory.mathieu_q(plant_of(params)),
+    'a_': lambda params: theory.mathieu_a(plant_of(params), speed_of(params)),
+    'a0_q': lambda params: theory.characteristic_a0(params['q']),
+    'b1_q': lambda params: theory.characteristic_b1(params['q']),
+    'lamL': upper_threshold,
+    'wcrit_avg': lambda params: theory.omega_crit_averaged(plant_of(params)) / RPM,
+    'wcrit': lambda params: theory.omega_crit_exact(plant_of(params)) / RPM,
+    'slow_avg': lambda params: theory.slow_frequency_averaged(plant_of(params), speed_of(params)) / RPM,
+    'slow': lambda params: theory.slow_frequency_exact(plant_of(params), speed_of(params)) / RPM,
+    'growth': lambda params: theory.growth_rate(plant_of(params), speed_of(params)),
+    'nl_': nonlinear,
+}
+
+
+@pytest.mark.parametrize('name', [name for name in ENTRIES if name.startswith(tuple(ANSWERS))])
+def test_published_value(name):
+    """Every published number comes out with far more digits than were asked for."""
+    entry = ENTRIES[name]
+    rung = max((prefix for prefix in ANSWERS if name.startswith(prefix)), key=len)
+    value = ANSWERS[rung](entry['params'])
+    digits = matching_digits(value, entry)
+    assert digits > (9.9 if rung == 'lamL' else 12.5)
+
+
+PLANTS = [
+    PlantParameters(),
+    PlantParameters(damping=3.0, inertia_factor=0.7, gravity=1.6),
+    PlantParameters(length=0.1, amplitude=0.05),
+    PlantParameters(length=0.1, amplitude=0.035, damping=40.0),
+]
+
+
+def monodromy(plant, speed):
+    """Return the monodromy matrix of the linear equation, from SciPy at its tightest."""
+
+    def slope(t, y):
+        stiffness = plant.k * (plant.gravity + plant.amplitude * speed**2 * math.cos(speed * t))
+        return [y[1], stiffness * y[0] - plant.damping * y[1]]
+
+    ends = [
+        solve_ivp(slope, (0, 2 * math.pi / speed), start, method='DOP853', rtol=3e-14, atol=1e-16).y[:, -1]
+        for start in ([1.0, 0.0], [0.0, 1.0])
+    ]
+    return np.array(ends).T
+
+
+@pytest.mark.parametrize('plant', PLANTS)
+@pytest.mark.parametrize('rpm', [60, 300, 700, 1354, 2500, 9000])
+def test_exponents_are_those_of_the_monodromy_matrix(plant, rpm):
+    speed = rpm * RPM
+    multipliers = np.linalg.eigvals(monodromy(plant, speed))
+    largest = multipliers[np.argmax(np.abs(multipliers))]
+    rate = math.log(abs(largest)) * speed / (2 * math.pi)
+    assert theory.growth_rate(plant, speed) == pytest.approx(rate, rel=1e-9, abs=1e-10 * speed)
+    slow = theory.slow_frequency_exact(plant, speed)
+    if abs(largest.imag) > 1e-6 or largest.real < 0:
+        assert slow == pytest.approx(abs(np.angle(largest)) * speed / (2 * math.pi), rel=1e-9)
+    else:
+        assert slow is None
+
+
+@pytest.mark.parametrize('plant', PLANTS)
+def test_thresholds_part_stable_from_unstable(plant):
+    lower, upper = theory.omega_crit_exact(plant), theory.omega_crit_upper(plant)
+    assert not theory.is_stable(plant, lower * (1 - 1e-9))
+    assert theory.is_stable(plant, lower * (1 + 1e-9))
+    if theory.mathieu_q(plant) < 0.908:
+        assert upper is None
+        assert theory.is_stable(plant, 1e5)
+    else:
+        assert theory.is_stable(plant, upper * (1 - 1e-9))
+        assert not theory.is_stable(plant, upper * (1 + 1e-9))
+
+
+def test_damping_moves_the_threshold_as_the_next_order_says():
+    """ω_crit² + c², good to 0.15 RPM up to a damping ratio of 1 (against the exact undamped threshold)."""
+    plant = PlantParameters()
+    for ratio in (0.2, 1.0):
+        damped = replace(plant, damping=2 * ratio * math.sqrt(plant.k * plant.gravity))
+        step = math.hypot(theory.omega_crit_exact(plant), damped.damping)
+        assert abs(theory.omega_crit_exact(damped) - step) / RPM < 0.2
+        assert theory.omega_crit_damped(damped) > theory.omega_crit_averaged(damped)
+
+
+def test_nonlinear_frequency_tends_to_the_linear_one_with_the_square_of_the_angle():
+    plant, speed = PlantParameters(), 2500 * RPM
+    linear = theory.slow_frequency_exact(plant, speed)
+    drop = [linear - theory.slow_frequency_nonlinear(plant, speed, angle) for angle in (0.02, 0.04)]
+    assert drop[1] / drop[0] == pytest.approx(4, rel=2e-3)
+
+
+def test_nonlinear_frequency_of_a_short_rod_near_its_upper_limit():
+    """The orbit turns by almost half a turn a period there: small swings still give the linear frequency."""
+    plant = PlantParameters(length=0.1, amplitude=0.05)
+    speed = 0.995 * theory.omega_crit_upper(plant)
+    linear = theory.slow_frequency_exact(plant, speed)
+    assert theory.slow_frequency_nonlinear(plant, speed, 1e-5) == pytest.approx(linear, rel=1e-6)
+
+
+def test_averaged_frequency_does_not_exist_below_the_threshold():
+    plant = PlantParameters()
+    assert theory.slow_frequency_averaged(plant, 0.999 * theory.omega_crit_averaged(plant)) is None
+    assert theory.slow_frequency_exact(plant, 0.999 * theory.omega_crit_exact(plant)) is None
+
+
+@pytest.mark.parametrize('speed', [0.0, -10.0, math.nan, math.inf])
+def test_bad_speed(speed):
+    with pytest.raises(ParameterError, match='speed'):
+        theory.growth_rate(PlantParameters(), speed)
+
+
+def test_what_has_no_slow_frequency_says_so():
+    plant = PlantParameters()
+    with pytest.raises(PhysicsError, match='not stable'):
+        theory.slow_frequency_nonlinear(plant, 1000 * RPM, 0.1)
+    with pytest.raises(PhysicsError, match='falls'):
+        theory.slow_frequency_nonlinear(plant, 1400 * RPM, 0.9)
+    with pytest.raises(ParameterError, match='release'):
+        theory.slow_frequency_nonlinear(plant, 2500 * RPM, 0.0)

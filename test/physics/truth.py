@@ -1,0 +1,30 @@
+"""The published numbers the physics is held against: test/physics/truth.json."""
+
+import json
+import math
+from pathlib import Path
+
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.units import RPM
+
+_DOCUMENT = json.loads(Path(__file__).with_name('truth.json').read_text('utf-8'))
+ENTRIES = {entry['id']: entry for entry in _DOCUMENT['truth']}
+
+
+def plant_of(params):
+    """Return the plant an entry speaks of."""
+    names = {'L_m': 'length', 'lam_m': 'amplitude', 'c_per_s': 'damping', 'g': 'gravity', 'f': 'coulomb'}
+    names |= {'D_m': 'clearance', 'e': 'restitution'}
+    return PlantParameters(**{names[key]: value for key, value in params.items() if key in names})
+
+
+def speed_of(params):
+    """Return rad/s."""
+    return params['rpm'] * RPM
+
+
+def matching_digits(value, entry):
+    """Print and return how many digits of a published value come out."""
+    digits = -math.log10(max(abs(value / entry['value'] - 1), 1e-16))
+    print(f'{entry["id"]}: {value!r} agrees with {entry["value"]!r} in {digits:.1f} digits')  # noqa: T201
+    return digits
