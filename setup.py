@@ -19,7 +19,7 @@ def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
 
 CORE = [
     'click>=8.1',
-    'mcap>=1.1',
+    'iminuit>=2.25',
     'numba>=0.59',
     'numpy>=1.26',
     'pint>=0.22',
@@ -30,6 +30,14 @@ CORE = [
     'ros-jazzy-rclpy[fastrtps]>=7.1',
     'rosbags==0.11.9',  # recording/ closes chunks through its storage objects
     'scipy>=1.11',
+]
+REPORT = [
+    'jinja2>=3.1',
+    'matplotlib>=3.6',
+]
+BENCHMARKS = [
+    'heyoka',
+    'mujoco',
 ]
 DEVELOPMENT = [
     'colcon-common-extensions',
@@ -63,7 +71,12 @@ setup(
         *installed_tree('launch'),
     ],
     install_requires=CORE,
-    extras_require={'dev': DEVELOPMENT},
+    extras_require={
+        'report': REPORT,
+        'benchmarks': BENCHMARKS,
+        'dev': DEVELOPMENT,
+        'all': [*REPORT, *BENCHMARKS, *DEVELOPMENT],
+    },
     entry_points={'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main']},
     zip_safe=False,
 )

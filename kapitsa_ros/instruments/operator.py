@@ -16,6 +16,10 @@ PATIENCE = 120.0
 """Seconds of simulated time after which the operator gives up on a reading and ends the run."""
 CATCH = 0.5
 """Seconds for which the pendulum is held between two timings."""
+FARTHER = 2.0
+"""Factor of the release angle after a swing that friction stopped before it was timed."""
+FARTHEST = 1.0
+"""Release angle, rad, beyond which nobody would speak of small swings."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +55,7 @@ class Operator:
         self._patience = round(PATIENCE / step)
         self._catch = max(1, round(CATCH / step))
         self._script = self._perform()
+        self._seen: tuple[StrobeReading | None, StopwatchReading | None] = (None, None)
         self._command = next(self._script)
 
     def opening(self) -> Command:
@@ -65,16 +70,25 @@ class Operator:
         return self._command
 
     def _perform(self) -> Iterator[Command]:
-        held = Command(self._speed, self._release)
-        free = Command(self._speed, None)
-        yield from self._until(0, held)
+        yield from self._until_read(0, Command(self._speed, self._release))
         for repeat in range(self._repeats):
             if repeat:
-                yield from [held] * self._catch
-            yield from self._until(1, free)
+                yield from [Command(self._speed, self._release)] * self._catch
+            yield from self._time()
         yield Command(self._speed, None, end=True)
 
-    def _until(self, instrument: int, command: Command) -> Iterator[Command]:
+    def _time(self) -> Iterator[Command]:
+        """Let go and wait for the stopwatch; where friction stops the swing too soon, let go from farther out."""
+        angle = self._release
+        while True:
+            yield from self._until_read(1, Command(self._speed, None))
+            reading = self._seen[1]
+            angle *= FARTHER
+            if reading is None or reading.kind != 'stopped' or abs(angle) > FARTHEST:
+                return
+            yield from [Command(self._speed, angle)] * self._catch
+
+    def _until_read(self, instrument: int, command: Command) -> Iterator[Command]:
         """Repeat a command until the instrument gives a reading or patience ends."""
         for _ in range(self._patience):
             yield command

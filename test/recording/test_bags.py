@@ -1,0 +1,158 @@
+"""Bags: written step by step, read back, and refused where they are none."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+
+from kapitsa_ros.instruments.operator import Command
+from kapitsa_ros.instruments.stopwatch import StopwatchReading
+from kapitsa_ros.instruments.strobe import StrobeReading
+from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
+from kapitsa_ros.recording import messages as m
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.naming import refuse_existing, run_name
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.wire import encode_silence
+from kapitsa_ros.recording.writer import RunWriter
+from kapitsa_ros.units import RPM
+
+CLOCK = StepClock(SECOND // 10)
+SETTINGS = {
+    'jigsaw': '{"amplitude": 0.0127}',
+    'pendulum': '{"plant": {"length": 0.24765}}',
+    'strobe': '{"seed": 1}',
+    'stopwatch': '{"swings": 3}',
+}
+
+
+def step_messages(tick: Tick) -> dict[str, bytes]:
+    """Return the messages of a step of a made-up run: let go at step 4, both readings at step 8."""
+    stamp = CLOCK.start_ns(tick)
+    if tick.end:
+        return {topic.name: encode_silence(topic.type, stamp, tick) for topic in topics.RECORDED[1:]}
+    time = CLOCK.start(tick) + np.linspace(0.0, 0.1, 101)
+    motion = Samples(0.001, np.sin(time), np.cos(time), -np.sin(time))
+    read = tick.step == 8
+    strobe = StrobeReading(time=CLOCK.start(tick), speed=234.0) if read else None
+    timed = StopwatchReading(pressed_at=CLOCK.start(tick), displayed=1.5, swings=3, kind='timed') if read else None
+    return {
+        topics.COMMAND.name: m.encode_command(stamp, tick, Command(2240 * RPM, 0.12 if tick.step < 4 else None)),
+        topics.PIVOT.name: m.encode_samples(stamp, tick, 'pivot', motion),
+        topics.MOTION.name: m.encode_samples(stamp, tick, 'pendulum', motion),
+        topics.STROBE.name: m.encode_strobe(stamp, tick, strobe),
+        topics.STOPWATCH.name: m.encode_stopwatch(stamp, tick, timed),
+        topics.RESULT.name: encode_silence(topics.RESULT.type, stamp, tick),
+    }
+
+
+def write(path: Path, *, storage: str = 'mcap', leave_out: int | None = None, end: bool = True) -> Path:
+    writer = RunWriter(path, storage, SETTINGS, steps_a_chunk=5)
+    for step in range(12):
+        if step != leave_out:
+            writer.write_step(CLOCK.start_ns(Tick(1, step)), step_messages(Tick(1, step)))
+    if end:
+        writer.write_step(CLOCK.start_ns(Tick(1, 12)), step_messages(Tick(1, 12, end=True)))
+    writer.close(complete=end)
+    return path
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_run_comes_back(tmp_path: Path, storage: str) -> None:
+    bag = RunBag(write(tmp_path / 'run_01_2240rpm', storage=storage))
+    assert bag.run.complete
+    assert bag.run.speed_asked == 2240 * RPM
+    assert bag.run.release == 0.12
+    assert bag.run.speed_reading == 234.0
+    assert bag.run.period == 0.5
+    assert bag.run.plant.length == 0.24765
+    assert bag.motion.angle.size == 1201
+    assert bag.motion.gaps == 0
+    assert bag.motion.angle[-1] == pytest.approx(np.sin(1.2), abs=1e-15)
+    assert bag.settings_texts == SETTINGS
+
+
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_equal_runs_give_equal_bytes(tmp_path: Path, storage: str) -> None:
+    files = [sorted(write(tmp_path / side / 'run', storage=storage).iterdir()) for side in 'ab']
+    for left, right in zip(*files, strict=True):
+        assert left.name == right.name
+        assert left.read_bytes() == right.read_bytes()
+
+
+def test_latched_topics_say_so_in_the_bag(tmp_path: Path) -> None:
+    with Reader(write(tmp_path / 'run')) as reader:
+        durability = {c.topic: c.ext.offered_qos_profiles[0].durability.name for c in reader.connections}
+    assert durability['/pendulum/settings'] == 'TRANSIENT_LOCAL'
+    assert durability['/pendulum/motion'] == 'VOLATILE'
+
+
+def test_a_lost_step_is_a_gap_and_no_run(tmp_path: Path) -> None:
+    bag = RunBag(write(tmp_path / 'run', leave_out=5))
+    assert bag.motion.gaps == 1
+    with pytest.raises(BagError, match='run 1 step 6 came after run 1 step 4'):
+        _ = bag.run
+
+
+def test_an_interrupted_run_can_be_read_and_says_so(tmp_path: Path) -> None:
+    assert not RunBag(write(tmp_path / 'run', end=False)).run.complete
+
+
+def test_a_crash_costs_at_most_a_chunk(tmp_path: Path) -> None:
+    """After a kill the file is no bag, but all chunks but the last are on disk."""
+    path = tmp_path / 'run'
+    script = (
+        'import os, signal, sys; sys.path.insert(0, sys.argv[2]); from pathlib import Path; import test_bags as t\n'
+        'writer = t.RunWriter(Path(sys.argv[1]), "mcap", t.SETTINGS, 5)\n'
+        'for step in range(12): writer.write_step(t.CLOCK.start_ns(t.Tick(1, step)), t.step_messages(t.Tick(1, step)))\n'
+        'os.kill(os.getpid(), signal.SIGKILL)'
+    )
+    subprocess.run([sys.executable, '-c', script, str(path), str(Path(__file__).parent)], check=False)
+    whole = write(tmp_path / 'whole')
+    on_disk = (path / 'run.mcap').read_bytes()
+    # The name of the file is not in its chunks, so the first two of them must be there byte for byte.
+    assert len(on_disk) > 0.5 * (whole / 'whole.mcap').stat().st_size
+    assert (whole / 'whole.mcap').read_bytes().startswith(on_disk)
+    with pytest.raises(BagError, match='never finished'):
+        RunBag(path)
+
+
+def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match='give the folder of a run'):
+        RunBag(tmp_path / 'nowhere')
+    (tmp_path / 'empty').mkdir()
+    with pytest.raises(BagError, match='is no bag'):
+        RunBag(tmp_path / 'empty')
+    (tmp_path / 'empty' / 'metadata.yaml').write_text('hello: [')
+    with pytest.raises(BagError, match='cannot be read'):
+        RunBag(tmp_path / 'empty')
+
+
+def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
+    with Writer(tmp_path / 'other', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        connection = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=m._STORE)
+        writer.write(connection, 1, m.encode_text('hello'))
+    with pytest.raises(BagError, match='lacks operator/command, strobe/reading'):
+        RunBag(tmp_path / 'other')
+
+
+def test_a_damaged_bag_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / 'run') / 'run.mcap'
+    raw = path.read_bytes()
+    path.write_bytes(raw[: len(raw) // 2])
+    with pytest.raises(BagError):
+        _ = RunBag(path.parent).run
+
+
+def test_existing_runs_are_not_overwritten(tmp_path: Path) -> None:
+    write(tmp_path / run_name(2, 2640 * RPM))
+    refuse_existing(tmp_path, [2240 * RPM])
+    with pytest.raises(BagError, match='run_02_2640rpm exists'):
+        refuse_existing(tmp_path, [2240 * RPM, 2640 * RPM])
+    with pytest.raises(BagError, match='cannot write'):
+        RunWriter(tmp_path / run_name(2, 2640 * RPM), 'mcap', SETTINGS, 5)

@@ -1,0 +1,57 @@
+"""The command line as users run it, and graphs of processes."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
+
+
+@dataclass(frozen=True)
+class Answer:
+    status: int
+    out: str
+    err: str
+
+    @property
+    def json(self) -> dict[str, Any]:
+        assert self.status == 0, self.err
+        return json.loads(self.out)
+
+
+@pytest.fixture(scope='session')
+def kapitsa() -> Callable[..., Answer]:
+    """Run `kapitsa` with arguments."""
+
+    def run(*arguments: object, env: dict[str, str] | None = None) -> Answer:
+        command = [sys.executable, '-m', 'kapitsa_ros.rig', *map(str, arguments)]
+        done = subprocess.run(
+            command, env=ENVIRONMENT | (env or {}), capture_output=True, text=True, timeout=120, check=False
+        )
+        return Answer(done.returncode, done.stdout, done.stderr)
+
+    return run
+
+
+@pytest.fixture(scope='session')
+def recorded(kapitsa: Callable[..., Answer], tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """An experiment on the ideal plant with the instruments of 1997, seed 1: its folder and its JSON."""
+    bags = tmp_path_factory.mktemp('recorded') / 'A'
+    return bags, kapitsa('experiment', '--preset', 'ideal', '--seed', 1, '--bags', bags, '--json').json
+
+
+@pytest.fixture
+def busy() -> Iterator[None]:
+    """Keep both cores busy with something else."""
+    spinners = [subprocess.Popen([sys.executable, '-S', '-E', '-c', 'while True: pass']) for _ in range(2)]
+    yield
+    for spinner in spinners:
+        spinner.kill()
+        spinner.wait()

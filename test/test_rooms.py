@@ -1,0 +1,35 @@
+"""The house stands: imports point down, and only the nodes know ROS."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parents[1] / 'kapitsa_ros'
+ROOMS = ('physics', 'instruments', 'analysis', 'recording', 'nodes', 'rig')
+ROS = ('rclpy', 'launch', 'launch_ros')
+FILES = sorted(path for path in PACKAGE.rglob('*.py') if path.relative_to(PACKAGE).parts[0] in ROOMS)
+
+
+def imported(path: Path) -> set[str]:
+    """Return the absolute names of all modules a file imports, relative imports resolved."""
+    here = ('kapitsa_ros', *path.relative_to(PACKAGE).with_suffix('').parts)
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = '.'.join((*here[: len(here) - node.level], *filter(None, [node.module]))) if node.level else node.module
+            names |= {f'{base}.{alias.name}' for alias in node.names}
+    return names
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_imports_point_down(path: Path) -> None:
+    room = path.relative_to(PACKAGE).parts[0]
+    for name in imported(path):
+        parts = name.split('.')
+        if parts[0] == 'kapitsa_ros' and parts[1] in ROOMS:
+            assert ROOMS.index(parts[1]) <= ROOMS.index(room), f'{room} imports {name}'
+        if parts[0] in ROS or parts[0].endswith(('_msgs', '_interfaces', '_srvs')):
+            assert room == 'nodes', f'{room} imports {name}'
