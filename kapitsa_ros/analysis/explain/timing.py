@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from kapitsa_ros.instruments.settings import StopwatchSettings
-from kapitsa_ros.instruments.stopwatch import Stopwatch
+from kapitsa_ros.instruments.stopwatch import Stopwatch, StopwatchReading
 from kapitsa_ros.physics.parameters import PlantParameters  # noqa: TC001
 from kapitsa_ros.physics.pivot import crank
 from kapitsa_ros.physics.plant import Pendulum
@@ -30,17 +30,27 @@ def timed_period(plant: PlantParameters, speed: float, release: float = RELEASE,
         Mean period of the swings, s; nan where the rod fell or came to rest before they were over.
 
     """
+    reading = _watched(plant, speed, release, swings)
+    return reading.displayed / swings if reading is not None and reading.kind == 'timed' else math.nan
+
+
+def swings_seen(plant: PlantParameters, speed: float, release: float, most: int) -> int:
+    """Return how many full swings can be timed, up to `most`, before the rod comes to rest; 0 where it falls."""
+    reading = _watched(plant, speed, release, most)
+    return reading.swings if reading is not None and reading.kind != 'fell' else 0
+
+
+def _watched(plant: PlantParameters, speed: float, release: float, swings: int) -> StopwatchReading | None:
     pendulum = Pendulum(plant)
     watch = Stopwatch(StopwatchSettings(), swings, np.random.default_rng(0))  # a perfect thumb: chance plays no part
     pendulum.hold(release)
     for block in range(int(_LONGEST / (_COUNT * _PERIOD))):
         start = block * _COUNT * _PERIOD
-        motion = pendulum.advance(_cosine(plant.amplitude, speed, start))
-        reading = watch.observe(start, motion)
+        reading = watch.observe(start, pendulum.advance(_cosine(plant.amplitude, speed, start)))
         pendulum.release()
         if reading is not None:
-            return reading.displayed / swings if reading.kind == 'timed' else math.nan
-    return math.nan
+            return reading
+    return None
 
 
 def _cosine(amplitude: float, speed: float, start: float) -> Samples:
