@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
 from importlib import import_module
+from pathlib import Path
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError  # a params file that cannot be parsed has no public type
-from rclpy.exceptions import ROSInterruptException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
@@ -26,26 +27,32 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     role = arguments[0]
     try:
-        rclpy.init(args=arguments)
-        return _spin(role)
+        return _spin(role, arguments)
     except SettingError as error:
         print(f'{role}: error: {error}', file=sys.stderr)
         return 2
     except (NodeError, ValueError, OSError) as error:
         print(f'{role}: error: {error}', file=sys.stderr)
         return 1
-    except RCLError as error:
-        if not rclpy.ok():
-            return 0
-        print(f'{role}: error: {str(error).splitlines()[0]}', file=sys.stderr)
-        return 2
-    except (KeyboardInterrupt, ExternalShutdownException, ROSInterruptException):
+    except (KeyboardInterrupt, ExternalShutdownException):
         return 0
     finally:
         rclpy.try_shutdown()
 
 
-def _spin(role: str) -> int:
+def _start(arguments: list[str]) -> None:
+    """Hand the ROS arguments over; what rcl cannot parse is named in one line, and not in its own ten."""
+    for option, value in itertools.pairwise(arguments):
+        if option == '--params-file' and not Path(value).is_file():
+            raise SettingError(f'--params-file {value}: there is no such file')
+    try:
+        rclpy.init(args=arguments)
+    except RCLError as error:
+        raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
+
+
+def _spin(role: str, arguments: list[str]) -> int:
+    _start(arguments)
     node = import_module(f'kapitsa_ros.nodes.{role}').create()
     executor = EventsExecutor()
     executor.add_node(node)

@@ -22,7 +22,7 @@ from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import IDLE, Stage, ends_session
 from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.pivot import Jigsaw
+from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
 from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
 from kapitsa_ros.units import RPM
 
@@ -42,15 +42,17 @@ class JigsawNode(Stage):
         sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
         self._steps = StepClock(round(step * SECOND))
         self._count = round(step * sample_rate)
-        if self._steps.step_ns % self._count:
-            raise SettingError(f'parameter sample_rate: {sample_rate} Hz does not divide a step of {step} s into whole ns')
+        if abs(self._count - step * sample_rate) > 1e-9 or self._steps.step_ns % max(self._count, 1):
+            raise SettingError(
+                f'parameter sample_rate: {sample_rate} Hz and a step of {step} s do not make whole samples of whole ns'
+            )
         self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100)
         self._plant = declare_plant(self, 'amplitude')
         self._motion = {
             'rod_ratio': declare(self, 'rod_ratio', 0.0, 'connecting rod over crank radius; 0: pure cosine', 0.0, 1e6),
             'phase': declare(self, 'phase', 0.0, 'of the pivot when a run begins, rad; 0: bottom of the stroke', -10.0, 10.0),
             'spin_up': declare(self, 'spin_up', 200.0, 'angular acceleration of the shaft, rad/s^2', 0.1, 1e5),
-            'max_speed': declare(self, 'max_speed', 5000 * RPM, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
+            'max_speed': declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
         }
         self._pace = Pace(declare(self, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4))
         self._jigsaw = self._at_rest()

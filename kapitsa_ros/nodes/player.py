@@ -70,7 +70,7 @@ class PlayerNode(Stage):
             for topic in topics.PLAYED:
                 if topic.name in messages:
                     self.emit(topic, messages[topic.name])
-                elif tick.end and topic is not topics.COMMAND:
+                elif tick.end:
                     self.emit_silence(topic, tick, stamp)
             self._under_way.append(tick)
             self._pace.count(stamp / SECOND)

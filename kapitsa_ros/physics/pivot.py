@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 TWO_PI = Fraction('6.283185307179586476925286766559005768394338798750')
 TURN = 1 << 128
+MAX_SPEED = 5000 * 2.0 * math.pi / 60
+"""rad/s: what a jigsaw does, 5000 strokes a minute, unless told otherwise."""
 
 
 class Jigsaw:
@@ -52,7 +54,7 @@ class Jigsaw:
         rod_ratio: float = 0.0,
         phase: float = 0.0,
         spin_up: float = 500.0,
-        max_speed: float = 420.0,
+        max_speed: float = MAX_SPEED,
     ) -> None:
         for name, value in (('amplitude', amplitude), ('spin_up', spin_up), ('max_speed', max_speed)):
             if not 0 < value < math.inf:

@@ -36,6 +36,8 @@ class Motion:
     rate: np.ndarray[Any, np.dtype[np.float64]]
     gaps: int
     """Places where a sample or a step is missing."""
+    lost: float
+    """Seconds of motion missing there."""
 
 
 class RunBag:
@@ -123,6 +125,11 @@ class RunBag:
             raise BagError(f'{self.path} is damaged: {error}') from error
         return builder.build(complete=steps[-1][0].end)
 
+    @property
+    def complete(self) -> bool:
+        """Whether the run came to its end."""
+        return any(read_tick(raw).end for _, _, raw in self.raw(topics.STROBE.name))
+
     @cached_property
     def motion(self) -> Motion:
         """The pendulum's motion, and how much of it is missing.
@@ -147,13 +154,15 @@ class RunBag:
             raise BagError(f'{self.path} is damaged: {error}') from error
         if not stamps:
             empty = np.array([])
-            return Motion(empty.astype(np.int64), empty, empty, 0)
+            return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
         joined = np.concatenate(stamps)
         periods = np.diff(joined)
         # Blocks hold both ends, so a block begins at the stamp at which the last one ended.
         fresh = np.concatenate(([True], periods > 0))
-        gaps = int((periods > np.median(periods[periods > 0])).sum()) if (periods > 0).any() else 0
-        return Motion(joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps)
+        period = np.median(periods[periods > 0])
+        gaps = periods[periods > period]
+        lost = float((gaps - period).sum()) / SECOND
+        return Motion(joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps.size, lost)
 
     def pivot(self) -> Iterator[tuple[Tick, Samples]]:
         """Yield the pivot's motion step by step."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.nodes.observer import Observer
+from kapitsa_ros.physics.pivot import MAX_SPEED
 from kapitsa_ros.recording.naming import refuse_existing, run_name
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
@@ -15,6 +16,7 @@ from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.offline import analyse_bags, recorded_values
 from kapitsa_ros.rig.processes import Nodes
 from kapitsa_ros.rig.roster import REPLAY_ROLES, parameters, replay_parameters
+from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -34,7 +36,7 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     Raises
     ------
     UsageError
-        The folder for the bags cannot be written.
+        The folder for the bags cannot be written, or the jigsaw cannot turn so fast.
     BagError
         A run of that name is there already.
     RigError
@@ -42,6 +44,9 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
 
     """
     protocol = setup.carried_out()
+    for speed in protocol.speeds:
+        if speed > MAX_SPEED:
+            raise UsageError(f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most')
     refuse_existing(setup.bags, protocol.speeds)
     _make_writable(setup.bags)
     seen = _watch(setup.roles, parameters(setup), on_progress)
