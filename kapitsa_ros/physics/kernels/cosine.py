@@ -58,28 +58,44 @@ def advance_cosine(
     work = np.empty((WORK_ROWS, ORDER + 1))
     load = np.empty(ORDER - 1)
     rhythm = np.empty(ORDER - 1)
-    angle_step = 2.0 * math.pi * turns
-    term = amplitude * (speed * step) ** 2
-    for n in range(rhythm.size):
-        rhythm[n] = term if n % 4 in (0, 3) else -term
-        term *= angle_step / (n + 1)
+    fill_rhythm(amplitude, speed, step, turns, rhythm)
     weight = plant[GRAVITY] * step * step
     motion[0, 0] = state[ANGLE]
     motion[1, 0] = state[RATE]
     left_out = 0.0
     for sample in range(1, motion.shape[1]):
         for i in range((sample - 1) * stride, sample * stride):
-            turn = (i * turns) % 1.0 + start
-            cosine = math.cos(2.0 * math.pi * turn)
-            sine = math.sin(2.0 * math.pi * turn)
-            for n in range(0, load.size, 2):
-                load[n] = rhythm[n] * cosine
-            for n in range(1, load.size, 2):
-                load[n] = rhythm[n] * sine
-            load[0] += weight
+            fill_load(i * turns, start, rhythm, weight, load)
             if not advance_interval(load, 0.0, step, plant, state, work):
                 return TOO_THICK
             left_out = max(left_out, abs(work[0, -1]))
         motion[0, sample] = state[ANGLE]
         motion[1, sample] = state[RATE]
     return left_out
+
+
+@kernel
+def fill_rhythm(amplitude: float, speed: float, step: float, turns: float, rhythm: NDArray[np.float64]) -> None:
+    """Fill in what the load's coefficients have in common at all phases: h²λω² δⁿ/n!, δ the phase of a step."""
+    term = amplitude * (speed * step) ** 2
+    for n in range(rhythm.size):
+        rhythm[n] = term if n % 4 in (0, 3) else -term
+        term *= 2.0 * math.pi * turns / (n + 1)
+
+
+@kernel
+def fill_load(
+    turn: float,
+    start: float,
+    rhythm: NDArray[np.float64],
+    weight: float,
+    load: NDArray[np.float64],
+) -> None:
+    """Fill in the coefficients of h² (g + y″) from a phase on, given in turns."""
+    phase = 2.0 * math.pi * (turn - math.floor(turn) + start)
+    cosine, sine = math.cos(phase), math.sin(phase)
+    for n in range(0, load.size, 2):
+        load[n] = rhythm[n] * cosine
+    for n in range(1, load.size, 2):
+        load[n] = rhythm[n] * sine
+    load[0] += weight

@@ -58,10 +58,22 @@ def half_period(a: float, q: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def half_trace_less_one(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return (D − 1)/2 = x₁′ x₂ for many points, D being half the trace of the monodromy matrix."""
-    result = np.empty(a.size)
-    for i in range(a.size):
-        _, r1, x2, _ = half_period(a[i], q[i])
-        result[i] = r1 * x2
+def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return D, half the trace of the monodromy matrix over z = 0 to π, for every pair of a q (rows) and an a."""
+    result = np.empty((q.size, a.size))
+    for i in range(q.size):
+        for j in range(a.size):
+            x1, r1, x2, r2 = half_period(a[j], q[i])
+            result[i, j] = x1 * r2 + r1 * x2
     return result
+
+
+@kernel
+def combine(weights: NDArray[np.float64], rows: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+    """Write weights @ rows into `out`: for thin matrices, and on one core whatever the BLAS would do."""
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            out[i, j] = weights[i, 0] * rows[0, j]
+        for k in range(1, rows.shape[0]):
+            for j in range(out.shape[1]):
+                out[i, j] += weights[i, k] * rows[k, j]

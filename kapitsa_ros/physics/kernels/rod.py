@@ -34,7 +34,7 @@ from kapitsa_ros.physics.kernels.layout import (
 )
 from kapitsa_ros.physics.kernels.play import expand_gap, time_to_touch, touch
 from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
-from kapitsa_ros.physics.kernels.series import derivative, expand, shift, value
+from kapitsa_ros.physics.kernels.series import expand, shift, value_and_slope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -115,7 +115,8 @@ def _advance_by_pieces(
     """Go from event to event; the load is re-centred at each."""
     angle, gap = work[0], work[5, : load.size + 2]
     load = load.copy()
-    shift(load, start)
+    if start > 0.0:
+        shift(load, start)
     left = 1.0 - start
     slipping, lifting = False, False
     for _ in range(MOST_PIECES):
@@ -130,16 +131,17 @@ def _advance_by_pieces(
                 angle[2] = 0.0
 
         stop = _time_to_stop(angle, plant[STOP], left)
-        change = _time_to_friction_change(load, angle, step, plant, state, left)
+        change = _time_to_friction_change(load, angle, step, plant, state, left, work[3, 1:])
         contact = time_to_touch(load, gap, state, left)
         span = min(stop, change, contact)
         ended = span >= left
         if ended:
             span = left
-        state[ANGLE] = value(angle, span)
-        state[RATE] = derivative(angle, span) / step
-        state[GAP] = value(gap, span)
-        state[GAP_RATE] = derivative(gap, span) / step
+        state[ANGLE], pace = value_and_slope(angle, span)
+        state[RATE] = pace / step
+        if state[CONTACT] == IN_FLIGHT:
+            state[GAP], pace = value_and_slope(gap, span)
+            state[GAP_RATE] = pace / step
         if ended:
             return True
 
@@ -168,10 +170,11 @@ def _expand_angle(
     state: NDArray[np.float64],
     work: NDArray[np.float64],
 ) -> None:
-    drive = work[4, : load.size]
+    drive = work[4, :-2]
     leverage = 0.0 if state[CONTACT] == IN_FLIGHT else plant[K]
     for n in range(load.size):
         drive[n] = leverage * load[n]
+    drive[load.size :] = 0.0
     angle = work[0]
     angle[0] = state[ANGLE]
     angle[1] = step * state[RATE]
@@ -217,6 +220,7 @@ def _time_to_friction_change(
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
     left: float,
+    pace: NDArray[np.float64],
 ) -> float:
     """Return when a sliding rod comes to rest, or a stuck one is torn loose."""
     grip = step * step * plant[COULOMB]
@@ -228,13 +232,13 @@ def _time_to_friction_change(
         ahead[0] = max(ahead[0] + grip, 0.0)
         behind[0] = max(behind[0] + grip, 0.0)
         return min(first_descent(ahead, left), first_descent(behind, left))
-    pace = np.empty(angle.size - 1)
-    direction = 0.0
+    first = 1
+    while angle[first] == 0.0 and first < angle.size - 1:
+        first += 1
+    direction = math.copysign(1.0, angle[first])
     for n in range(pace.size):
-        pace[n] = (n + 1) * angle[n + 1]
-        if direction == 0.0:
-            direction = np.sign(pace[n])
-    return first_descent(direction * pace, left)
+        pace[n] = direction * (n + 1) * angle[n + 1]
+    return first_descent(pace, left)
 
 
 @kernel

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.kernels.jit import kernel
-from kapitsa_ros.physics.kernels.series import shift
+from kapitsa_ros.physics.kernels.series import shift, value_and_slope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,17 +35,20 @@ def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
     lead = 0
     while lead < polynomial.size - 1 and polynomial[lead] == 0.0:
         lead += 1
+    lowest = polynomial[lead]
+    power = 1.0
+    for n in range(lead + 1, polynomial.size):
+        power *= end
+        lowest += min(power * polynomial[n], 0.0)
+    if lowest > 0.0:
+        return NEVER
+    if polynomial[lead] <= 0.0:
+        return 0.0
     scaled = polynomial[lead:].copy()
-    lowest = scaled[0]
     power = 1.0
     for n in range(1, scaled.size):
         power *= end
         scaled[n] *= power
-        lowest += min(scaled[n], 0.0)
-    if lowest > 0.0:
-        return NEVER
-    if scaled[0] <= 0.0:
-        return 0.0
     return end * _first_in_unit(scaled)
 
 
@@ -94,10 +97,7 @@ def _refine(polynomial: NDArray[np.float64], low: float, high: float) -> float:
     """Newton's method kept inside a bracket that bisection would halve."""
     at = 0.5 * (low + high)
     for _ in range(100):
-        height, slope = 0.0, 0.0
-        for n in range(polynomial.size - 1, -1, -1):
-            slope = slope * at + height
-            height = height * at + polynomial[n]
+        height, slope = value_and_slope(polynomial, at)
         if height > 0.0:
             low = at
         else:

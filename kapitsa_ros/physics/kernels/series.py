@@ -37,7 +37,7 @@ def expand(
     Parameters
     ----------
     drive
-        Coefficients of h² k (g + y″), at most as many as `angle` has.
+        Coefficients of h² k (g + y″), shape (order − 1,).
     damping, friction
         h c and h² f sgn θ′.
     linear
@@ -48,45 +48,37 @@ def expand(
         Work space of the same shape; `sine` and `cosine` come back as the series of sin θ and cos θ.
 
     """
-    terms = drive.size
     sine[0] = angle[0] if linear else math.sin(angle[0])
     cosine[0] = 1.0 if linear else math.cos(angle[0])
     slope[1] = angle[1]
     angle[2] = 0.5 * (drive[0] * sine[0] - friction - damping * angle[1])
     for n in range(1, angle.size - 2):
-        if linear:
-            sine[n] = angle[n]
-        else:
-            rising = 0.0
-            falling = 0.0
-            for j in range(1, n + 1):
-                rising += slope[j] * cosine[n - j]
-                falling += slope[j] * sine[n - j]
-            sine[n] = rising * RECIPROCAL[n]
-            cosine[n] = -falling * RECIPROCAL[n]
-        slope[n + 1] = (n + 1) * angle[n + 1]
-        torque = 0.0
-        for j in range(min(n + 1, terms)):
+        rising, falling, torque = 0.0, 0.0, 0.0
+        for j in range(1, n + 1):
+            rising += slope[j] * cosine[n - j]
+            falling += slope[j] * sine[n - j]
             torque += drive[j] * sine[n - j]
+        sine[n] = angle[n] if linear else rising * RECIPROCAL[n]
+        cosine[n] = -falling * RECIPROCAL[n]
+        torque += drive[0] * sine[n]
+        slope[n + 1] = (n + 1) * angle[n + 1]
         angle[n + 2] = (torque - damping * slope[n + 1]) * (RECIPROCAL[n + 1] * RECIPROCAL[n + 2])
 
 
 @kernel
 def value(series: NDArray[np.float64], at: float) -> float:
     """Evaluate a series by Horner's rule."""
-    total = 0.0
-    for n in range(series.size - 1, -1, -1):
-        total = total * at + series[n]
-    return total
+    return value_and_slope(series, at)[0]
 
 
 @kernel
-def derivative(series: NDArray[np.float64], at: float) -> float:
-    """Evaluate the first derivative of a series by Horner's rule."""
-    total = 0.0
-    for n in range(series.size - 1, 0, -1):
-        total = total * at + n * series[n]
-    return total
+def value_and_slope(series: NDArray[np.float64], at: float) -> tuple[float, float]:
+    """Evaluate a series and its first derivative by Horner's rule."""
+    height, slope = 0.0, 0.0
+    for n in range(series.size - 1, -1, -1):
+        slope = slope * at + height
+        height = height * at + series[n]
+    return height, slope
 
 
 @kernel

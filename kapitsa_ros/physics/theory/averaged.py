@@ -32,8 +32,3 @@ def slow_frequency_averaged(plant: PlantParameters, speed: float) -> float | Non
     """
     square = 0.5 * (plant.k * plant.amplitude * speed) ** 2 - plant.k * plant.gravity
     return math.sqrt(square) if square >= 0 else None
-
-
-def omega_crit_damped(plant: PlantParameters) -> float:
-    """Return the critical speed at the next order, rad/s: ω² = ω_crit² + c²; damping does move the threshold."""
-    return math.hypot(omega_crit_averaged(plant), plant.damping)

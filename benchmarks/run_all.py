@@ -1,0 +1,61 @@
+"""Run every benchmark, one after the other, and write the table for the README."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SCRIPTS = ('smooth_run', 'friction_run', 'sampled_block', 'stability_map', 'trajectories', 'first_result')
+
+
+def main() -> None:
+    """Print every claim as JSON, then the table; leave both in benchmarks/results."""
+    claims = []
+    for script in SCRIPTS:
+        output = subprocess.run(  # noqa: S603
+            [sys.executable, str(HERE / f'{script}.py')], check=True, stdout=subprocess.PIPE, text=True
+        ).stdout
+        print(output, end='', flush=True)
+        claims += [json.loads(line) for line in output.splitlines()]
+    table = '\n'.join(rows(claims)) + '\n'
+    results = HERE / 'results'
+    results.mkdir(exist_ok=True)
+    (results / 'claims.json').write_text(json.dumps(claims, indent=1) + '\n', encoding='utf-8')
+    (results / 'table.md').write_text(table, encoding='utf-8')
+    print(f'\n{table}')
+
+
+def rows(claims: list[dict[str, object]]) -> list[str]:
+    """Return the lines of a Markdown table."""
+    lines = [
+        '| work | peer | target | ratio | ours | peer | our error | peer error |',
+        '|---|---|---|---|---|---|---|---|',
+    ]
+    for claim in claims:
+        cells = [claim['work'], claim.get('peer', ''), claim.get('target', '')]
+        cells += [_number(claim.get('ratio')), _time(claim.get('ours_s')), _time(claim.get('peer_s'))]
+        cells += [_number(claim.get('ours_error')), _number(claim.get('peer_error'))]
+        if 'megabytes' in claim:
+            cells[4] = f'{claim["megabytes"]:.1f} MB'
+        lines.append('| ' + ' | '.join(str(cell) for cell in cells) + ' |')
+    return lines
+
+
+def _number(value: object) -> str:
+    return f'{value:.3g}' if isinstance(value, float) else ''
+
+
+def _time(value: object) -> str:
+    if not isinstance(value, float):
+        return ''
+    for unit, size in (('s', 1.0), ('ms', 1e-3), ('µs', 1e-6), ('ns', 1e-9)):
+        if value >= size:
+            return f'{value / size:.3g} {unit}'
+    return f'{value:g} s'
+
+
+if __name__ == '__main__':
+    main()
