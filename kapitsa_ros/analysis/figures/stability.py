@@ -52,6 +52,8 @@ def _draw_bench(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     averaged = np.sqrt(2.0 * plant.gravity / plant.k) / (rpm * RPM) / plant.length
     axes.plot(rpm, averaged, color=GREY, linestyle='--', label='averaged (eq. 8)')
     points = np.asarray(speeds) / RPM
-    axes.plot(points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4, label='runs')
+    axes.plot(
+        points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4, label='runs'
+    )
     axes.set(xlabel='ω (RPM)', ylabel='λ/L', xlim=(500, 4000), ylim=(0, 0.4))
     axes.legend(fontsize=8)

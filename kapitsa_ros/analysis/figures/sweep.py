@@ -29,7 +29,9 @@ def frequency_sweep(
     figure = blank('Figure 6: slow frequency over forcing frequency')
     (axes,) = figure.axes
     fine, coarse = np.linspace(1000.0, 3000.0, 800), np.arange(1000.0, 3001.0, 50.0)
-    axes.plot(fine, _rpm(fine, lambda speed: theory.slow_frequency_exact(plant, speed)), color=BLUE, label='exact theory')
+    axes.plot(
+        fine, _rpm(fine, lambda speed: theory.slow_frequency_exact(plant, speed)), color=BLUE, label='exact theory'
+    )
     averaged = _rpm(fine, lambda speed: theory.slow_frequency_averaged(plant, speed))
     axes.plot(fine, averaged, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
     simulated = _rpm(coarse, lambda speed: _simulated(plant, speed, release))
