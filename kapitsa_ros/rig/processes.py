@@ -73,7 +73,8 @@ class NodeProcess:
         self._reader.join(timeout=1.0)
         lines = [line for line in self._lines if line.strip()]
         errors = [line for line in lines if line.startswith(f'{self.role}: error: ')]
-        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(lines[-3:])
+        complaints = [line for line in lines if not line.startswith('[INFO]')]
+        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(complaints[-3:])
 
     def end(self, number: signal.Signals) -> None:
         """Send a signal, if it still runs."""
