@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kapitsa_ros.analysis.campaign import Cores, perform_all, summarise
 from kapitsa_ros.analysis.critical import Ruler, direct_fit, errors_in_variables, evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError
@@ -24,40 +22,17 @@ from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from kapitsa_ros.analysis.campaign import Campaign
     from kapitsa_ros.analysis.critical import Evidence
     from kapitsa_ros.analysis.explain import Verdict
     from kapitsa_ros.analysis.plan import Plan, Separation
-    from kapitsa_ros.analysis.run import Run
+    from kapitsa_ros.analysis.recorded import RecordedRun
     from kapitsa_ros.analysis.table import Readings
 
 EXPERIMENTS = 40
 """Virtual experiments for each preset."""
 
 TARGET_PERCENT = 1.0
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RecordedRun:
-    """A run and the motion that was recorded of it."""
-
-    name: str
-    run: Run
-    time: NDArray[np.float64]
-    """Seconds of the run, shape (N,)."""
-    angle: NDArray[np.float64]
-    """θ, rad, shape (N,)."""
-
-    def free_swing(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return time since the last release and the angle from there on."""
-        still = np.flatnonzero(np.abs(np.diff(self.angle)) <= 0.0)
-        begin = int(still[-1]) + 1 if still.size else 0
-        if begin >= self.angle.size - 2:  # friction stopped it at last: the whole record serves
-            moving = np.flatnonzero(np.abs(np.diff(self.angle)) > 0.0)
-            begin = int(moving[0]) if moving.size else 0
-        return self.time[begin:] - self.time[begin], self.angle[begin:]
 
 
 @dataclass(frozen=True, kw_only=True)
