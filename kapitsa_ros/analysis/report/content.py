@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.analysis.campaign import Cores, perform_all, summarise
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, errors_in_variables, evidence_of
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, errors_in_variables, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
@@ -17,7 +17,6 @@ from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.parameters import PRESETS, PlantParameters, load_preset
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
-from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -120,7 +119,7 @@ def _estimates(evidence: Evidence, nominal: PlantParameters, theirs: Readings) -
 
 def _truth(plant: PlantParameters) -> float | None:
     try:
-        return omega_crit_exact(plant)
+        return true_threshold(plant)
     except PhysicsError:
         return None
 
@@ -130,7 +129,7 @@ def _trial(preset: str, experiments: int) -> PresetTrial:
     experiment = VirtualExperiment(
         plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
-    truth = omega_crit_exact(plant)
+    truth = true_threshold(plant)
     campaign = summarise(list(perform_all(experiment, experiments)), truth, 1.0, Cores.count)
     return PresetTrial(preset=preset, truth=truth, campaign=campaign)
 
