@@ -20,11 +20,13 @@ def main() -> None:
         subprocess.run([sys.executable, '-c', START, *COMMAND], check=True, stdout=subprocess.DEVNULL)  # noqa: S603
         times.append(time.perf_counter() - start)
     print(
-        json.dumps({
-            'work': 'first result of kapitsa simulate, new process, warm cache',
-            'target': '< 2 s',
-            'ours_s': statistics.median(times[1:]),
-        }),
+        json.dumps(
+            {
+                'work': 'first result of kapitsa simulate, new process, warm cache',
+                'target': '< 2 s',
+                'ours_s': statistics.median(times[1:]),
+            }
+        ),
         flush=True,
     )
 

@@ -1,6 +1,7 @@
 """60 s at 2500 RPM with Coulomb friction to 1e-9 rad: ours against SciPy's event location, and against ours without.
 
-The swing dies within 6 s, so the error is the larger of those at 1 s and at 60 s. The reference is SciPy at its tightest.
+The swing dies within 6 s, so the error is the larger of those at 1 s and at 60 s. The reference is SciPy at its
+tightest.
 """
 
 from __future__ import annotations
@@ -74,9 +75,7 @@ def _slide(span: tuple[float, float], theta: float, friction: float, tolerance: 
 
     rest.terminal = True
     rest.direction = -friction
-    part = solve_ivp(
-        slope, span, (theta, 0.0), method='DOP853', rtol=tolerance, atol=1e-3 * tolerance, events=rest
-    )
+    part = solve_ivp(slope, span, (theta, 0.0), method='DOP853', rtol=tolerance, atol=1e-3 * tolerance, events=rest)
     return float(part.t[-1]), float(part.y[0, -1])
 
 

@@ -1,4 +1,4 @@
-"""The stability map: 10⁶ points of (ω, λ), damped, at 1e-10: ours against RK4 of the monodromy matrix and scipy.special.
+"""The stability map: 10⁶ points of (ω, λ), damped, at 1e-10: ours against RK4 of the monodromy and scipy.special.
 
 The peers are measured on fewer points and scaled; RK4 runs vectorised over its points, in blocks that fit the cache.
 """

@@ -22,7 +22,7 @@ from scipy.optimize import brentq
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels.bending import advance_bending
 from kapitsa_ros.physics.simulation import PROMISED, STOP
-from kapitsa_ros.physics.stepping import LONGEST_STEP, longest_step
+from kapitsa_ros.physics.stepping import LONGEST_STEP, longest_step, whole_samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -105,9 +105,7 @@ def bend(release: Release, bending: Bending, duration: float, sample_rate: float
     plant = release.plant
     if plant.coulomb or plant.clearance or release.linear:
         raise ParameterError('a bending rod has neither coulomb friction nor clearance, and is not linear')
-    if not (0 < sample_rate < math.inf and math.isfinite(duration) and duration * sample_rate >= 1):
-        raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')
-    count = math.floor(duration * sample_rate * (1 + 1e-12))
+    count = whole_samples(duration, sample_rate)
     longest = min(longest_step(plant, release.speed), LONGEST_STEP / bending.frequency)
     stride = math.ceil(1.0 / (sample_rate * longest))
     lever = 0.5 * plant.length

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels import layout
 from kapitsa_ros.physics.kernels.cosine import TOO_THICK, advance_cosine
-from kapitsa_ros.physics.stepping import longest_step, steps_per_turn
+from kapitsa_ros.physics.stepping import longest_step, steps_per_turn, whole_samples
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 STOP = math.pi / 2
 PROMISED = 1e-11  # rad left out of one step at most
+
+
+class _Pacing(NamedTuple):
+    step: float
+    """s."""
+    turns: float
+    """Of the shaft in a step."""
+    stride: int
+    """Steps from one sample to the next."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -80,14 +89,12 @@ class Release:
             The promised accuracy cannot be kept, or impacts come too thick.
 
         """
-        if not (0 < sample_rate < math.inf and math.isfinite(duration) and duration * sample_rate >= 1):
-            raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')
-        count = math.floor(duration * sample_rate * (1 + 1e-12))
+        count = whole_samples(duration, sample_rate)
         stride = math.ceil(1.0 / (sample_rate * longest_step(self.plant, self.speed)))
         step = 1.0 / (sample_rate * stride)
-        turns = self.speed / (2.0 * math.pi) * step
         state = self._state()
-        motion = self._advance(state, self._start, step, turns, stride, count)
+        pacing = _Pacing(step, self.speed / (2.0 * math.pi) * step, stride)
+        motion = self._advance(state, self._start, pacing, count)
         return _trajectory(np.arange(count + 1) / sample_rate, motion, state)
 
     def strobed(self, turns: int) -> Trajectory:
@@ -97,8 +104,8 @@ class Release:
         lead = (1.0 - self._start) % 1.0
         state = self._state()
         if lead > 0:
-            self._advance(state, self._start, lead * period / stride, lead / stride, stride, 1)
-        motion = self._advance(state, 0.0, period / stride, 1.0 / stride, stride, turns)
+            self._advance(state, self._start, _Pacing(lead * period / stride, lead / stride, stride), 1)
+        motion = self._advance(state, 0.0, _Pacing(period / stride, 1.0 / stride, stride), turns)
         return _trajectory((lead + np.arange(turns + 1)) * period, motion, state)
 
     @property
@@ -111,20 +118,10 @@ class Release:
         state[layout.MODE] = layout.MOVING
         return state
 
-    def _advance(
-        self,
-        state: NDArray[np.float64],
-        start: float,
-        step: float,
-        turns: float,
-        stride: int,
-        count: int,
-    ) -> NDArray[np.float64]:
+    def _advance(self, state: NDArray[np.float64], start: float, pacing: _Pacing, count: int) -> NDArray[np.float64]:
         motion = np.empty((2, count + 1))
         constants = layout.constants(self.plant, stop=STOP, linear=self.linear)
-        left_out = advance_cosine(
-            self.plant.amplitude, self.speed, start, step, turns, stride, constants, state, motion
-        )
+        left_out = advance_cosine(self.plant.amplitude, self.speed, start, *pacing, constants, state, motion)
         if left_out == TOO_THICK:
             raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
         if not left_out <= PROMISED:
@@ -133,12 +130,12 @@ class Release:
 
 
 def _trajectory(
-    time: NDArray[np.float64],
+    time: NDArray[np.floating],
     motion: NDArray[np.float64],
     state: NDArray[np.float64],
 ) -> Trajectory:
     return Trajectory(
-        time=time,
+        time=np.asarray(time, dtype=float),
         angle=motion[0],
         rate=motion[1],
         fell=bool(state[layout.MODE] >= layout.FALLEN),

@@ -1,9 +1,11 @@
-"""How long a step of the power series may be."""
+"""How long a step of the power series may be, and how many samples a run has."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING
+
+from kapitsa_ros.physics.errors import ParameterError
 
 if TYPE_CHECKING:
     from kapitsa_ros.physics.parameters import PlantParameters
@@ -21,3 +23,19 @@ def steps_per_turn(plant: PlantParameters, speed: float) -> int:
     """Return how many steps to take in a turn of the shaft: a power of two, so that phases are exact."""
     fewest = 2.0 * math.pi / speed / longest_step(plant, speed)
     return 1 << math.ceil(math.log2(fewest) - 1e-12)
+
+
+def whole_samples(duration: float, sample_rate: float) -> int:
+    """Return how many sample periods fit into a duration.
+
+    Raises
+    ------
+    ParameterError
+        Not one, or a value is not finite.
+
+    """
+    if 0 < sample_rate < math.inf and 0 < duration < math.inf:
+        count = math.floor(duration * sample_rate * (1.0 + 1e-12))
+        if count >= 1:
+            return count
+    raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')

@@ -1,4 +1,4 @@
-"""The question the report left open: is the slow divergence of the frictionless pendulum real?
+"""The question the report left open: whether the slow divergence of the frictionless pendulum is real.
 
 The same pendulum is integrated with the solvers people use, as they come, and the growth of its slow amplitude is read
 once a turn of the shaft. Where solvers disagree about the sign, the divergence is theirs.
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 VERLET_STEPS = 100
 SWINGING = 1.0  # rad: beyond, the rod is falling over
-SOLVERS = (
+SOLVERS: tuple[tuple[str, dict[str, float]], ...] = (
     ('RK45', {}),
     ('RK23', {}),
     ('BDF', {}),

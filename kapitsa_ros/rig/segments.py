@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import re
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -12,7 +13,8 @@ if TYPE_CHECKING:
 
 _FOLDER = Path('/dev/shm')  # noqa: S108  # where Fast DDS keeps its segments
 _SEGMENT = re.compile(r'fastrtps_(?:port\d+|[0-9a-f]{16})')
-_COMPANIONS = ('{}', '{}_el', '{}_sl', 'sem.{}_mutex')
+_LOCKS = ('_el', '_sl')
+"""Endings of the files that the owner of a segment, or its readers, hold locked while they live."""
 
 
 @contextmanager
@@ -26,20 +28,27 @@ def no_dead_segments() -> Iterator[None]:
 
 
 def remove_dead_segments() -> None:
-    """Remove the segments of Fast DDS that no process has mapped: a process that is killed cannot do it itself."""
-    if not _FOLDER.is_dir():
-        return
-    left = {match[0] for path in _FOLDER.iterdir() if (match := _SEGMENT.search(path.name))}
-    for name in left - _mapped() if left else ():
-        for companion in _COMPANIONS:
+    """Remove the segments of Fast DDS that have no owner: a process that is killed cannot do it itself."""
+    for name in dead_segments():
+        for file in (name, *(f'{name}{ending}' for ending in _LOCKS), f'sem.{name}_mutex'):
             with suppress(OSError):  # somebody else's, or somebody was faster
-                (_FOLDER / companion.format(name)).unlink()
+                (_FOLDER / file).unlink()
 
 
-def _mapped() -> set[str]:
-    """Return the segments that a process of this machine has in its memory."""
-    names: set[str] = set()
-    for maps in Path('/proc').glob('[0-9]*/maps'):
-        with suppress(OSError):
-            names |= set(_SEGMENT.findall(maps.read_text()))
-    return names
+def dead_segments() -> set[str]:
+    """Return the names of the segments that have no owner."""
+    if not _FOLDER.is_dir():
+        return set()
+    left = {match[0] for path in _FOLDER.iterdir() if (match := _SEGMENT.search(path.name))}
+    return {name for name in left if not any(_is_held(_FOLDER / f'{name}{ending}') for ending in _LOCKS)}
+
+
+def _is_held(lock: Path) -> bool:
+    try:
+        with lock.open('rb') as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return False

@@ -38,8 +38,8 @@ def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
 
 def _write_parquet(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
     try:
-        import pyarrow as pa  # noqa: PLC0415  # an extra
-        from pyarrow import parquet  # noqa: PLC0415
+        import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+        from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
     except ImportError as error:
         raise UsageError('--output: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz') from error
     parquet.write_table(pa.table(columns), path)

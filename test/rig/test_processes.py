@@ -25,6 +25,7 @@ from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.processes import Nodes
 from kapitsa_ros.rig.roster import Setup, parameters
+from kapitsa_ros.rig.segments import dead_segments, remove_dead_segments
 
 Kapitsa = Callable[..., Any]
 Recorded = tuple[Path, dict[str, Any]]
@@ -72,10 +73,6 @@ def children(pid: int) -> list[int]:
             if parent == pid:
                 found.append(int(entry.name))
     return found
-
-
-def shared_memory() -> set[str]:
-    return {path.name for path in Path('/dev/shm').iterdir() if 'fastrtps' in path.name}  # noqa: S108
 
 
 def role_of(pid: int) -> str:
@@ -205,7 +202,6 @@ def test_a_recorder_stopped_for_a_while_loses_nothing(
 
 @pytest.mark.parametrize('role', ROLES)
 def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) -> None:
-    before = shared_memory()
     process = subprocess.Popen(
         [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -226,10 +222,22 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
     assert out == ''
     assert [line for line in err.splitlines() if line] == [f'kapitsa: error: {role} was killed by SIGKILL']
     assert not [pid for pid in nodes.values() if Path(f'/proc/{pid}').exists()]
-    assert shared_memory() <= before
+    assert not dead_segments()
     # A bag that is left does not pretend to be whole.
     for bag in (tmp_path / 'A').glob('*/metadata.yaml'):
         assert "complete: 'false'" in bag.read_text()
+
+
+def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
+    with Nodes(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
+        assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)
+        assert not dead_segments()
+        nodes['pendulum'].end(signal.SIGKILL)
+        with pytest.raises(RigError, match='pendulum was killed'):
+            nodes.wait(PATIENCE)
+        assert dead_segments()
+        remove_dead_segments()
+        assert not dead_segments()
 
 
 def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
@@ -245,6 +253,7 @@ def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
     for node in nodes:
         assert select.select([node], [], [], 10.0)[0], 'a node still runs'
         os.close(node)
+    remove_dead_segments()  # those of the rig itself, which the next one would remove
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])

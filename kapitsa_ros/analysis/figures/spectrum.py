@@ -45,4 +45,4 @@ def amplitudes(angle: NDArray[np.float64], rate: float) -> tuple[NDArray[np.floa
     """Return frequencies (RPM) and the amplitude a line there would have; the window's leakage lies below 1e-4."""
     window = get_window('blackmanharris', angle.size)
     spectrum = np.abs(np.fft.rfft(angle * window)) * 2.0 / window.sum()
-    return 60.0 * np.fft.rfftfreq(angle.size, 1.0 / rate), spectrum
+    return np.asarray(60.0 * np.fft.rfftfreq(angle.size, 1.0 / rate), dtype=float), np.asarray(spectrum, dtype=float)

@@ -10,8 +10,6 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.layout import (
     ANGLE,
@@ -19,7 +17,6 @@ from kapitsa_ros.physics.kernels.layout import (
     CONTACT,
     COULOMB,
     DAMPING,
-    FAILED,
     FALLEN,
     GAP,
     GAP_RATE,
@@ -37,6 +34,7 @@ from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
 from kapitsa_ros.physics.kernels.series import expand, shift, value_and_slope
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 MOST_PIECES = 10_000
@@ -121,44 +119,65 @@ def _advance_by_pieces(
     slipping, lifting = False, False
     for _ in range(MOST_PIECES):
         expand_gap(load, step, state, lifting, gap)
-        friction = _friction(load, step, plant, state, slipping)
-        if state[MODE] == STUCK:
-            angle[:] = 0.0
-            angle[0] = state[ANGLE]
-        else:
-            _expand_angle(load, friction, step, plant, state, work)
-            if slipping:  # in balance but for the last bit: the motion starts with the third derivative
-                angle[2] = 0.0
-
+        _expand_piece(load, step, plant, state, work, slipping)
         stop = _time_to_stop(angle, plant[STOP], left)
         change = _time_to_friction_change(load, angle, step, plant, state, left, work[3, 1:])
         contact = time_to_touch(load, gap, state, left)
-        span = min(stop, change, contact)
-        ended = span >= left
-        if ended:
-            span = left
-        state[ANGLE], pace = value_and_slope(angle, span)
-        state[RATE] = pace / step
-        if state[CONTACT] == IN_FLIGHT:
-            state[GAP], pace = value_and_slope(gap, span)
-            state[GAP_RATE] = pace / step
-        if ended:
+        span = min(stop, change, contact, left)
+        _carry(angle, gap, span, step, state)
+        if span == left:
             return True
-
         shift(load, span)
         left -= span
+        slipping, lifting = False, False
         if stop == span:
             _lie_down(state, plant)
-            return True
-        slipping = change == span and state[MODE] == STUCK
-        if change == span:
-            state[RATE] = 0.0
-        lifting = contact == span and state[CONTACT] != IN_FLIGHT
-        if contact == span:
+        elif contact == span:
+            lifting = state[CONTACT] != IN_FLIGHT
             touch(load, step, plant, state)
-            if state[MODE] == FAILED:
-                return True
+        else:
+            slipping = state[MODE] == STUCK
+            state[RATE] = 0.0
+        if state[MODE] > STUCK:
+            return True
     return False
+
+
+@kernel
+def _carry(
+    angle: NDArray[np.float64],
+    gap: NDArray[np.float64],
+    span: float,
+    step: float,
+    state: NDArray[np.float64],
+) -> None:
+    """Take the state to the end of a piece."""
+    state[ANGLE], pace = value_and_slope(angle, span)
+    state[RATE] = pace / step
+    if state[CONTACT] == IN_FLIGHT:
+        state[GAP], pace = value_and_slope(gap, span)
+        state[GAP_RATE] = pace / step
+
+
+@kernel
+def _expand_piece(
+    load: NDArray[np.float64],
+    step: float,
+    plant: NDArray[np.float64],
+    state: NDArray[np.float64],
+    work: NDArray[np.float64],
+    slipping: bool,  # noqa: FBT001
+) -> None:
+    """Fill the angle's series of a piece, over which the rod slides one way or sticks."""
+    friction = _friction(load, step, plant, state, slipping)
+    angle = work[0]
+    if state[MODE] == STUCK:
+        angle[:] = 0.0
+        angle[0] = state[ANGLE]
+        return
+    _expand_angle(load, friction, step, plant, state, work)
+    if slipping:  # in balance but for the last bit: the motion starts with the third derivative
+        angle[2] = 0.0
 
 
 @kernel

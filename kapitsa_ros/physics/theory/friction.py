@@ -47,7 +47,7 @@ def dithered_factor(ratio: float) -> float:
 
 
 def amplitude_loss(plant: PlantParameters, speed: float) -> float:
-    """Return what Coulomb friction takes from the slow amplitude in a slow period, rad: f K/Ω², whatever the amplitude."""
+    """Return what Coulomb friction takes from the slow amplitude in a slow period, rad: f K/Ω² at any amplitude."""
     ratio = dither_ratio(plant, speed)
     slow = ratio * plant.k * plant.amplitude * speed
     return plant.coulomb * dithered_factor(ratio) / slow**2

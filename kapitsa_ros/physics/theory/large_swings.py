@@ -1,7 +1,7 @@
 """Large swings in the effective potential of the fast vibration.
 
-Averaged without small angles: θ₁″ = kg sin θ₁ − ½k²λ²ω² sin θ₁ cos θ₁ (Landau & Lifshitz, Mechanics, § 30; Butikov, Am. J.
-Phys. 69 (2001) 755). The swing is slower than a small one, and a barrier lies at cos θ = 2g/(kλ²ω²).
+Averaged without small angles: θ₁″ = kg sin θ₁ − ½k²λ²ω² sin θ₁ cos θ₁ (Landau & Lifshitz, Mechanics, § 30; Butikov,
+Am. J. Phys. 69 (2001) 755). The swing is slower than a small one, and a barrier lies at cos θ = 2g/(kλ²ω²).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def slow_start(plant: PlantParameters, speed: float, release: float, phase: float = 0.0) -> tuple[float, float]:
-    """Return θ₁ and θ₁′ of the slow motion of a rod released at rest, from θ = θ₁ (1 − kλ cos(ωt + p)) (report, eq. 12)."""
+    """Return θ₁ and θ₁′ of a rod released at rest, from θ = θ₁ (1 − kλ cos(ωt + p)) (report, eq. 12)."""
     swing = plant.k * plant.amplitude
     angle = release / (1.0 - swing * math.cos(phase))
     return angle, -angle * swing * speed * math.sin(phase) / (1.0 - swing * math.cos(phase))

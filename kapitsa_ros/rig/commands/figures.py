@@ -42,10 +42,12 @@ def _draw(plant: PlantParameters, speed: float) -> dict[int, Figure]:
     try:
         from kapitsa_ros.analysis import figures as draw  # noqa: PLC0415  # matplotlib is an extra
     except ImportError as error:
-        raise UsageError(f'figures need {error.name}: run `make setup`, or pip install "kapitsa_ros[report]"') from error
+        raise UsageError(
+            f'figures need {error.name}: run `make setup`, or pip install "kapitsa_ros[report]"'
+        ) from error
     table = read_table(share_path('config', 'tables', '1997.csv'))
     return {
-        2: draw.stability_boundaries(plant, table.forcing),
+        2: draw.stability_boundaries(plant, table.forcing.tolist()),
         4: draw.time_history(plant, speed),
         5: draw.power_spectrum(plant, speed),
         6: draw.frequency_sweep(plant, list(zip(table.forcing, table.slow, strict=True))),

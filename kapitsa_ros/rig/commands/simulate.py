@@ -10,8 +10,8 @@ import numpy as np
 
 from kapitsa_ros.physics.simulation import Release
 from kapitsa_ros.physics.slow_motion import observe
-from kapitsa_ros.rig.table_files import SUFFIXES, write_table
 from kapitsa_ros.rig.options import ANGLE, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.rig.table_files import SUFFIXES, write_table
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 @click.option('--sample-rate', type=float, default=1000.0, show_default=True, help='Hz')
 @json_option
 def simulate(
+    *,
     plant: PlantParameters,
     speed: float,
     release: float,
@@ -36,7 +37,6 @@ def simulate(
     duration: float,
     output: Path | None,
     sample_rate: float,
-    *,
     linear: bool,
     as_json: bool,
 ) -> None:

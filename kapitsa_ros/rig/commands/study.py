@@ -19,8 +19,12 @@ if TYPE_CHECKING:
 @plant_options
 @click.option('--speed', type=SPEED, default=2500, show_default=True, help='forcing speed ω')
 @click.option('--release', type=ANGLE, default=0.12, show_default=True, help='θ at rest at time 0')
-@click.option('--duration', type=click.FloatRange(1.0), default=300.0, show_default=True, help='seconds for each solver')
-@click.option('--cycles', type=click.IntRange(100), default=1_000_000, show_default=True, help='forcing cycles with ours')
+@click.option(
+    '--duration', type=click.FloatRange(1.0), default=300.0, show_default=True, help='seconds for each solver'
+)
+@click.option(
+    '--cycles', type=click.IntRange(100), default=1_000_000, show_default=True, help='forcing cycles with ours'
+)
 @json_option
 def study(plant: PlantParameters, speed: float, release: float, duration: float, cycles: int, *, as_json: bool) -> None:
     """Integrate the frictionless pendulum with the solvers people use and show the growth of its slow amplitude."""

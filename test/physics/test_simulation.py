@@ -1,0 +1,137 @@
+import math
+
+import numpy as np
+import pytest
+from laboratory import jigsaw_at, swing
+from truth import ENTRIES, plant_of, speed_of
+
+from kapitsa_ros.physics import theory
+from kapitsa_ros.physics.ensemble import release_many
+from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.slow_motion import observe
+from kapitsa_ros.units import RPM
+
+IDEAL = PlantParameters()
+SPEED = 2500 * RPM
+
+PLANTS = [
+    IDEAL,
+    PlantParameters(damping=0.4, coulomb=0.7),
+    PlantParameters(coulomb=0.7, clearance=2e-4, restitution=0.3, inertia_factor=0.7069),
+]
+
+
+@pytest.mark.parametrize('plant', PLANTS)
+def test_cosine_and_sampled_pivot_give_the_same_motion(plant):
+    times, angle, rate, _ = swing(plant, SPEED, 0.1, blocks=20)
+    run = Release(plant=plant, speed=SPEED, angle=0.1).sampled(2.0)
+    np.testing.assert_allclose(run.time, times, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(run.angle, angle, rtol=0, atol=2e-11)
+    np.testing.assert_allclose(run.rate, rate, rtol=0, atol=2e-9)
+
+
+def test_sampled_and_strobed_runs_agree_at_any_phase():
+    run = Release(plant=IDEAL, speed=SPEED, angle=0.1, phase=1.0)
+    orbit = run.strobed(50)
+    fine = run.sampled(float(orbit.time[-1]), 1 / float(orbit.time[-1]))
+    assert fine.angle[-1] == pytest.approx(orbit.angle[-1], abs=1e-12)
+
+
+def test_the_frictionless_amplitude_does_not_drift():
+    entry = ENTRIES['drift_exact']
+    release = Release(plant=plant_of(entry['params']), speed=speed_of(entry['params']), angle=entry['params']['theta0'])
+    assert abs(observe(release, 300.0).growth) < 1e-12
+
+
+def test_energy_is_conserved_without_drive():
+    """A thousand periods of a hanging rod, at 30 degrees."""
+    jigsaw, pendulum = jigsaw_at(100.0), Pendulum(IDEAL, stop=7.0)
+    jigsaw.advance(0.0, 0.1, 1)
+    pendulum.hold(math.pi - 0.5)
+    pendulum.release()
+    weight = IDEAL.k * IDEAL.gravity
+    blocks = math.ceil(1000 * 2 * math.pi / math.sqrt(weight))
+    energy = []
+    for _ in range(blocks):
+        motion = pendulum.advance(jigsaw.advance(0.0, 1.0, 100))
+        energy.append(0.5 * motion.rate[-1] ** 2 + weight * math.cos(motion.position[-1]))
+    assert np.ptp(energy) < 1e-10 * weight
+
+
+def test_growth_and_frequency_of_a_damped_rod_are_floquets():
+    plant = PlantParameters(damping=0.6)
+    slow = observe(Release(plant=plant, speed=SPEED, angle=0.05, phase=0.7, linear=True), 10.0)
+    assert slow.growth == pytest.approx(-0.3, rel=1e-10)
+    assert slow.frequency == pytest.approx(theory.slow_frequency_exact(plant, SPEED), rel=1e-12)
+    nonlinear = observe(Release(plant=plant, speed=SPEED, angle=0.01), 10.0)
+    assert nonlinear.frequency == pytest.approx(slow.frequency, rel=1e-5)
+
+
+def test_growth_of_a_falling_rod_is_floquets():
+    slow = observe(Release(plant=IDEAL, speed=1200 * RPM, angle=1e-6), 10.0)
+    assert slow.growth == pytest.approx(theory.growth_rate(IDEAL, 1200 * RPM), rel=1e-3)
+    assert slow.frequency is None
+
+
+def test_friction_stops_the_rod():
+    release = Release(plant=PlantParameters(coulomb=2.0), speed=SPEED, angle=0.12)
+    assert 2 < observe(release, 5.0).periods < 4
+    assert observe(release, 5.0).growth < 0
+
+
+def test_many_rods_move_as_one_alone():
+    angles = np.linspace(-0.3, 0.3, 7)
+    ends = release_many(IDEAL, speed=SPEED, angle=angles, phase=0.4, duration=3.0)
+    for angle, end in zip(angles, ends.angle, strict=True):
+        alone = Release(plant=IDEAL, speed=SPEED, angle=float(angle), phase=0.4).sampled(3.0, 1 / 3.0)
+        assert end == pytest.approx(alone.angle[-1], abs=1e-12)
+    assert not ends.fell.any()
+    assert release_many(IDEAL, speed=[1000 * RPM, SPEED], angle=0.1, duration=10.0).fell.tolist() == [True, False]
+
+
+@pytest.mark.parametrize(
+    'wrong',
+    [{'speed': 0.0}, {'speed': math.nan}, {'angle': 1.6}, {'angle': math.nan}, {'phase': math.inf}],
+)
+def test_bad_release(wrong):
+    with pytest.raises(ParameterError, match=next(iter(wrong))):
+        Release(**{'plant': IDEAL, 'speed': SPEED, 'angle': 0.1, **wrong})
+
+
+@pytest.mark.parametrize(('duration', 'rate'), [(0.0, 1e3), (math.nan, 1e3), (1e-4, 1e3), (1.0, 0.0), (1.0, math.inf)])
+def test_bad_duration(duration, rate):
+    with pytest.raises(ParameterError, match='duration'):
+        Release(plant=IDEAL, speed=SPEED, angle=0.1).sampled(duration, rate)
+
+
+@pytest.mark.parametrize('wrong', [{'speed': [SPEED, -1.0]}, {'angle': 2.0}, {'phase': math.nan}, {'duration': 0.0}])
+def test_bad_ensemble(wrong):
+    with pytest.raises(ParameterError):
+        release_many(IDEAL, **{'speed': SPEED, 'angle': 0.1, 'duration': 1.0, **wrong})
+
+
+@pytest.mark.parametrize(
+    'wrong',
+    [
+        {'length': 0.0},
+        {'length': -0.25},
+        {'length': math.nan},
+        {'amplitude': math.inf},
+        {'gravity': 0.0},
+        {'damping': -0.1},
+        {'coulomb': -1.0},
+        {'clearance': -1e-4},
+        {'clearance': 0.02},
+        {'restitution': 1.1},
+        {'restitution': -0.1},
+        {'inertia_factor': 0.0},
+        {'wear': -1.0},
+        {'failure_clearance': 0.0},
+    ],
+)
+def test_bad_plant(wrong):
+    with pytest.raises(ParameterError, match=next(iter(wrong))):
+        PlantParameters(**wrong)
