@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from kapitsa_ros.analysis.reduction import inverse, ordinary
 from kapitsa_ros.instruments.randomness import stream
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from kapitsa_ros.analysis.critical import CriticalSpeed, Evidence
     from kapitsa_ros.analysis.reduction import Line
@@ -93,12 +92,30 @@ def perform(experiment: VirtualExperiment, seed: int) -> Outcome:
     )
 
 
-Mapper: TypeAlias = Callable[[Callable[[int], Outcome], Iterable[int]], Iterator[Outcome]]
-"""Applies a function to many seeds, wherever, and gives the outcomes in the seeds' order."""
+class Workers(Protocol):
+    """Whoever computes: the cores of this machine, or a cluster."""
+
+    @property
+    def count(self) -> int:
+        """How many experiments are under way at once."""
+
+    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
+        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+
+
+class Cores:
+    """All cores of this machine, a process each."""
+
+    count = os.cpu_count() or 1
+
+    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
+        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+        with ProcessPoolExecutor(self.count) as pool:
+            yield from pool.map(function, seeds, chunksize=_CHUNK)
 
 
 def perform_all(
-    experiment: VirtualExperiment, experiments: int, first_seed: int = 1, mapper: Mapper | None = None
+    experiment: VirtualExperiment, experiments: int, workers: Workers | None = None, first_seed: int = 1
 ) -> Iterator[Outcome]:
     """Carry out many experiments, by default on all cores of this machine.
 
@@ -113,7 +130,7 @@ def perform_all(
     if experiments < 1:
         raise AnalysisError(f'{experiments} experiments: carry out one or more')
     seeds = range(first_seed, first_seed + experiments)
-    yield from (mapper or _on_all_cores)(partial(perform, experiment), seeds)
+    yield from (workers or Cores()).map(partial(perform, experiment), seeds)
 
 
 def summarise(outcomes: Sequence[Outcome], truth: float, wall: float, workers: int) -> Campaign:
@@ -134,16 +151,6 @@ def summarise(outcomes: Sequence[Outcome], truth: float, wall: float, workers: i
         wall=wall,
         efficiency=sum(outcome.seconds for outcome in outcomes) / (wall * workers),
     )
-
-
-def workers_here() -> int:
-    """Return how many processes `perform_all` uses: one a core."""
-    return os.cpu_count() or 1
-
-
-def _on_all_cores(function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
-    with ProcessPoolExecutor(workers_here()) as pool:
-        yield from pool.map(function, seeds, chunksize=_CHUNK)
 
 
 def _line(fit: Callable[[Readings], Line], evidence: Evidence) -> float | None:

@@ -44,8 +44,9 @@ def standing_ratios(low: float, high: float, phases: int) -> list[Fraction]:
 def raise_until_doubled(shaft_speed: float, settings: StrobeSettings, rng: np.random.Generator) -> Finding | None:
     """Turn the dial up from a guess of the shaft's speed until the marks stand still and look doubled.
 
-    The phase at which the flashes happen to catch the shaft is random at each ratio. Three or four flash phases can
-    look doubled, which stops the person too early, and two can look single, which sends them on.
+    The phase at which the flashes happen to catch the shaft is random at each ratio, and so is the drift left over.
+    Three or four flash phases can look doubled, which stops the person too early, and two can look single, which sends
+    them on.
 
     Parameters
     ----------
@@ -68,13 +69,19 @@ def raise_until_doubled(shaft_speed: float, settings: StrobeSettings, rng: np.ra
         start = max(0.5, 1.0 + settings.guess_error * rng.standard_normal())
         for ratio in standing_ratios(start, end, faintest(settings)) if end > start else []:
             seconds += settings.look_time
-            heights, _shares = standing_images(ratio.numerator, 2.0 * math.pi * rng.random(), settings.mark_width)
-            if heights.size == 2:
+            residue = settings.drift_limit * rng.uniform(-1.0, 1.0)
+            if _looks_doubled(ratio, 2.0 * math.pi * rng.random(), residue, settings):
                 seconds += settings.sweep_time * (float(ratio) - start)
-                residue = settings.drift_limit * rng.uniform(-1.0, 1.0)
                 return Finding(ratio=ratio, residue=residue, seconds=seconds)
         seconds += settings.sweep_time * max(end - start, 0.0)
     return None
+
+
+def _looks_doubled(ratio: Fraction, phase: float, residue: float, settings: StrobeSettings) -> bool:
+    """Tell whether there are two images from the beginning of the look to its end, while their phase creeps."""
+    later = phase - residue * settings.look_time
+    pictures = (standing_images(ratio.numerator, at, settings.mark_width)[0] for at in (phase, later))
+    return all(heights.size == 2 for heights in pictures)
 
 
 def read_dial(flash_rate: float, settings: StrobeSettings) -> float:

@@ -73,8 +73,4 @@ def _rig_is_there() -> bool:
 
 
 if __name__ == '__main__':
-    status = main()
-    sys.stdout.flush()
-    sys.stderr.flush()
-    # All is closed; what is left is the interpreter taking LLVM apart, which takes longer than a run.
-    os._exit(status)
+    sys.exit(main())

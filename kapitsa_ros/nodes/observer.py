@@ -43,6 +43,7 @@ class Observer:
         self.experiment: dict[str, Any] = {}
         """Results of all runs so far together."""
         self._ended = threading.Event()
+        self._news = threading.Condition()
         self._on_progress = on_progress
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
@@ -79,6 +80,20 @@ class Observer:
         if not self._ended.wait(timeout):
             raise TimeoutError('the analyser did not say that the session is over')
 
+    def wait_for_progress(self, timeout: float) -> dict[str, str]:
+        """Wait for the next report of progress and return its values.
+
+        Raises
+        ------
+        TimeoutError
+            None came.
+
+        """
+        with self._news:
+            if not self._news.wait(timeout):
+                raise TimeoutError(f'no progress within {timeout} s')
+            return self.progress
+
     def _spin(self) -> None:
         try:
             while self._context.ok():
@@ -89,7 +104,9 @@ class Observer:
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:
             if status.name.endswith(': progress'):
-                self.progress = {pair.key: pair.value for pair in status.values}
+                with self._news:
+                    self.progress = {pair.key: pair.value for pair in status.values}
+                    self._news.notify_all()
                 self._on_progress(self.progress)
 
     def _take_result(self, raw: bytes) -> None:

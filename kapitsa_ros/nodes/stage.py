@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
 from rclpy.duration import Duration
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from kapitsa_ros.nodes.errors import NodeError
@@ -85,7 +86,7 @@ class Stage(Node):
                 publisher.publish(raw)
             except RCLError:
                 if not self.context.ok():
-                    raise
+                    raise ExternalShutdownException from None
                 if not said:
                     readers = ', '.join(self._peers.readers(topic))
                     self.get_logger().warning(f'{topic.name} is full: waiting for a reader that has stopped ({readers})')

@@ -37,7 +37,7 @@ def _loopback() -> dict[str, str]:
     asked = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     if asked != 'LOCALHOST':
         return {}
-    # The range alone keeps packets on this machine; the profile also closes the other interfaces' sockets.
+    # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
     profile = str(share_path('config', 'loopback.xml'))
     wanted = {'ROS_AUTOMATIC_DISCOVERY_RANGE': asked, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
     return {name: value for name, value in wanted.items() if name not in os.environ}

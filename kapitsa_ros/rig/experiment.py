@@ -16,6 +16,7 @@ from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.offline import analyse_bags, recorded_values
 from kapitsa_ros.rig.processes import Nodes
 from kapitsa_ros.rig.roster import REPLAY_ROLES, parameters, replay_parameters
+from kapitsa_ros.rig.segments import no_dead_segments
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> di
 
 def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) -> Observer:
     """Run a graph until its session is over, and return what was seen of it."""
-    with reserved_domain() as domain:
+    with no_dead_segments(), reserved_domain() as domain:
         with on_loopback():
             observer = Observer(domain, on_progress)
         with observer as seen, Nodes(roles, told, domain) as nodes:

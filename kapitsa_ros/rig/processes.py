@@ -41,6 +41,7 @@ class NodeProcess:
     def __init__(self, role: str, parameters: Mapping[str, Any], domain: int) -> None:
         self.role = role
         self._lines: deque[str] = deque(maxlen=LAST_LINES)
+        self._news = threading.Condition()
         command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '--disable-external-lib-logs']
         for name, value in parameters.items():
             command += ['-p', f'{name}:={_yaml(value)}']
@@ -73,7 +74,13 @@ class NodeProcess:
         self._reader.join(timeout=1.0)
         lines = [line for line in self._lines if line.strip()]
         errors = [line for line in lines if line.startswith(f'{self.role}: error: ')]
-        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(lines[-3:])
+        complaints = [line for line in lines if not line.startswith('[INFO]')]
+        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(complaints[-3:])
+
+    def wait_for_line(self, text: str, timeout: float) -> bool:
+        """Wait until it says a line with a text in it; return False if it does not in time."""
+        with self._news:
+            return self._news.wait_for(lambda: any(text in line for line in self._lines), timeout)
 
     def end(self, number: signal.Signals) -> None:
         """Send a signal, if it still runs."""
@@ -92,7 +99,9 @@ class NodeProcess:
         assert self._process.stderr is not None  # noqa: S101
         try:
             for line in self._process.stderr:
-                self._lines.append(line.rstrip())
+                with self._news:
+                    self._lines.append(line.rstrip())
+                    self._news.notify_all()
         except ValueError:
             pass  # closed from the other side while stopping
 

@@ -24,7 +24,7 @@ def test_ideal_strobe_reads_the_shaft_to_nine_digits(rpm, block, rod_ratio):
 
 def test_1997_reading_is_a_graduation_near_the_truth():
     rpm = [
-        readings(Strobe(load_instruments('1997').strobe, stream(seed, 'strobe', 0)), blocks(shaft(2503 * RPM), 8.0))[
+        readings(Strobe(load_instruments('1997').strobe, stream(seed, 'strobe', 0)), blocks(shaft(2503 * RPM), 40.0))[
             0
         ].speed
         / RPM

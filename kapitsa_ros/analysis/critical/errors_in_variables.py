@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import OptimizeResult, brentq, least_squares, minimize_scalar
 from scipy.stats import chi2
 
 from kapitsa_ros.analysis.table import require_two_speeds
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.table import Readings
 
@@ -41,9 +43,9 @@ class LineFit:
 def errors_in_variables(readings: Readings) -> LineFit:
     """Fit Ω² = slope · (ω² − ω_crit²) to the periods themselves, with the errors of periods and speeds.
 
-    The readings err in T, and T⁻² of an unbiased T is biased: hence the fit in T. An error of ω counts by its effect
-    on T (effective variance, the profile over the unknown true speeds to first order). Given ω_crit², T is linear in
-    slope^(−1/2), so that parameter is profiled out in closed form.
+    The readings err in T, and T⁻² of an unbiased T is biased: hence the fit in T. The true speeds and periods of the
+    runs are parameters too, as the line wants them (York, Can. J. Phys. 44, 1079 (1966)). Replacing them by an
+    effective variance would reward steep lines, which make any error of ω count for more.
 
     Parameters
     ----------
@@ -74,38 +76,46 @@ def errors_in_variables(readings: Readings) -> LineFit:
     return LineFit(
         omega_crit=math.sqrt(best) if best > 0.0 else None,
         interval=(_lower_end(excess, best), _upper_end(excess, best, edge)),
-        slope=profile.root_slope(best) ** -2,
+        slope=profile.slope(best),
         chi_squared=lowest,
     )
 
 
 class _Profile:
-    """χ² as a function of ω_crit² alone."""
+    """χ² as a function of ω_crit² alone: the slope and the true periods of all runs are fitted each time."""
 
     def __init__(self, readings: Readings) -> None:
         self._readings = readings
+        self._forcing_sigma = np.hypot(readings.forcing_sigma, _FLOOR * readings.forcing)
+        self._period_sigma = np.hypot(readings.period_sigma, _FLOOR * readings.period)
 
-    def _weighed(self, square: float) -> tuple[float, float, float]:
-        """Return Σ A T, Σ A² and Σ T², each over the variance; T = A/√slope."""
+    def _unit(self, square: float) -> float:
         data = self._readings
-        beyond = data.forcing**2 - square
-        shape = 2.0 * math.pi / np.sqrt(beyond)
-        moved = data.period * data.forcing / beyond * data.forcing_sigma
-        variance = data.period_sigma**2 + moved**2 + (_FLOOR * data.period) ** 2
-        weights = 1.0 / variance
-        return (
-            float(weights @ (shape * data.period)),
-            float(weights @ shape**2),
-            float(weights @ data.period**2),
+        return float(np.median((data.forcing**2 - square) / data.slow**2))
+
+    def _fitted(self, square: float) -> OptimizeResult:
+        """Fit ω² = ω_crit² + Ω²/slope; the parameters are the root of 1/slope and the errors of T, all relative."""
+        data, unit = self._readings, self._unit(square)
+
+        def misfit(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+            slow = data.slow / (1.0 + parameters[1:])
+            forcing = np.sqrt(np.maximum(square + unit * (parameters[0] * slow) ** 2, 0.0))
+            return np.concatenate(
+                ((forcing - data.forcing) / self._forcing_sigma, data.period * parameters[1:] / self._period_sigma)
+            )
+
+        start = np.append(1.0, np.zeros(data.period.size))
+        return least_squares(
+            misfit, start, x_scale=np.full(start.size, 0.1), method='lm', xtol=1e-13, ftol=1e-13, gtol=1e-13
         )
 
-    def root_slope(self, square: float) -> float:
-        cross, own, _ = self._weighed(square)
-        return cross / own
+    def slope(self, square: float) -> float:
+        """Return the slope of the best line through a given ω_crit²."""
+        return 1.0 / (self._unit(square) * float(self._fitted(square).x[0]) ** 2)
 
     def chi_squared(self, square: float) -> float:
-        cross, own, total = self._weighed(square)
-        return max(total - cross**2 / own, 0.0)
+        """Return χ² of the best line through a given ω_crit²."""
+        return 2.0 * float(self._fitted(square).cost)
 
 
 def _lower_end(excess: Callable[[float], float], best: float) -> float | None:

@@ -20,6 +20,8 @@ from kapitsa_ros.instruments.settings import StopwatchSettings, StrobeSettings
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from kapitsa_ros.analysis.run import Run
     from kapitsa_ros.physics.parameters import PlantParameters
 
@@ -41,20 +43,32 @@ class Ruler:
     """Standard error, m."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Bound:
+    """A run that fell or stayed up, and so bounds the critical speed."""
+
+    speed: float
+    """ω, rad/s."""
+    sigma: float
+    """Its standard error, rad/s."""
+    release: float
+    """θ at which the pendulum was let go, rad."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evidence:
     """The readings of several runs of one plant, SI units."""
 
     timed: Readings
     """Runs whose swings were timed."""
-    release: float
-    """θ at which the pendulum was let go, rad."""
+    release: NDArray[np.float64]
+    """|θ| at which the pendulum was let go in each of them, rad, shape (N,)."""
     swings: int = 3
     """Full swings a timing."""
-    fell: tuple[tuple[float, float], ...] = ()
-    """Speed and its standard error of each run in which the pendulum fell over, rad/s."""
-    stood: tuple[tuple[float, float], ...] = ()
-    """The same of runs in which it stayed up, though its swings were not timed to the end."""
+    fell: tuple[Bound, ...] = ()
+    """Runs in which the pendulum fell over."""
+    stood: tuple[Bound, ...] = ()
+    """Runs in which it stayed up, though its swings were not timed to the end."""
 
 
 def evidence_of(runs: Sequence[Run]) -> Evidence:
@@ -70,27 +84,25 @@ def evidence_of(runs: Sequence[Run]) -> Evidence:
     """
     if not runs:
         raise RunError('no runs: give one or more')
-    rows: list[tuple[float, float, float, float]] = []
-    bounds: dict[str, list[tuple[float, float]]] = {'fell': [], 'stopped': []}
+    rows: list[tuple[float, ...]] = []
+    bounds: dict[str, list[Bound]] = {'fell': [], 'stopped': []}
     for run in runs:
         if run.speed_reading is None:
             continue
         strobe = _settings(run, 'strobe', StrobeSettings)
         speed = unmask(run.speed_reading, run.speed_asked, strobe) if run.speed_asked > 0.0 else run.speed_reading
-        sigma = dial_sigma(strobe)
+        bound = Bound(speed=speed, sigma=dial_sigma(strobe), release=abs(run.release or 0.0))
         done = [reading for reading in run.timings if reading.kind == 'timed']
         if done:
             watch = _settings(run, 'stopwatch', StopwatchSettings)
             lap = lap_period([reading.displayed for reading in done], done[0].swings, watch)
-            rows.append((speed, lap.value, sigma, lap.sigma))
-        for reading in run.timings:
-            if reading.kind != 'timed':
-                bounds[reading.kind].append((speed, sigma))
-    columns = np.array(rows, dtype=np.float64).reshape(-1, 4).T
-    releases = [abs(run.release) for run in runs if run.release is not None]
+            rows.append((speed, lap.value, bound.sigma, lap.sigma, bound.release))
+        for kind in {reading.kind for reading in run.timings} & bounds.keys():
+            bounds[kind].append(bound)
+    columns = np.array(rows, dtype=np.float64).reshape(-1, 5).T
     return Evidence(
         timed=Readings(columns[0], columns[1], columns[2], columns[3]),
-        release=max(releases, default=0.0),
+        release=columns[4],
         swings=max((reading.swings for run in runs for reading in run.timings if reading.kind == 'timed'), default=1),
         fell=tuple(bounds['fell']),
         stood=tuple(bounds['stopped']),

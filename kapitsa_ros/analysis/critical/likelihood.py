@@ -16,7 +16,7 @@ from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical.evidence import Evidence, Ruler
+    from kapitsa_ros.analysis.critical.evidence import Bound, Evidence, Ruler
 
 DAMPING_SIGMA = 0.5
 """1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
@@ -57,12 +57,13 @@ class Likelihood:
     def correct_for_width(self, threshold: float, amplitude: float) -> None:
         """Find by how much the swing as released is slower than a small one."""
         plant = self.plant(threshold, amplitude, 0.0)
-        for index, speed in enumerate(self._evidence.timed.forcing):
+        runs = zip(self._evidence.timed.forcing.tolist(), self._evidence.release.tolist(), strict=True)
+        for index, (speed, release) in enumerate(runs):
             try:
-                wide = slow_frequency_nonlinear(plant, float(speed), self._evidence.release)
+                wide = slow_frequency_nonlinear(plant, speed, release)
             except PhysicsError:
                 continue  # this plant falls, or nobody let go: the swing is left as it is
-            self._slowing[index] = 1.0 - wide / _frequency(plant, float(speed))
+            self._slowing[index] = 1.0 - wide / _frequency(plant, speed)
 
     def residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
         """Return them for the timed runs, the falls and stands, the ruler and the damping."""
@@ -91,13 +92,15 @@ class Likelihood:
 
     def _bounds(self, threshold: float) -> list[float]:
         """Weigh falls and stands; a wide release falls a little above the threshold, out of the effective well."""
-        fallen = threshold / math.sqrt(math.cos(self._evidence.release))
-        fell = [_reluctance(fallen - speed, sigma, speed) for speed, sigma in self._evidence.fell]
-        return fell + [_reluctance(speed - threshold, sigma, speed) for speed, sigma in self._evidence.stood]
+        fell = [
+            _reluctance(threshold / math.sqrt(math.cos(bound.release)) - bound.speed, bound)
+            for bound in self._evidence.fell
+        ]
+        return fell + [_reluctance(bound.speed - threshold, bound) for bound in self._evidence.stood]
 
 
-def _reluctance(margin: float, sigma: float, speed: float) -> float:
-    return math.sqrt(-2.0 * float(log_ndtr(margin / max(sigma, _FLOOR * speed))))
+def _reluctance(margin: float, bound: Bound) -> float:
+    return math.sqrt(-2.0 * float(log_ndtr(margin / max(bound.sigma, _FLOOR * bound.speed))))
 
 
 def _frequency(plant: PlantParameters, speed: float) -> float:

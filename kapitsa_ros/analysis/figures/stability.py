@@ -35,7 +35,7 @@ def _draw_chart(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     axes.fill_between(q, lower, upper, color=BLUE, alpha=0.15, label='stable')
     axes.plot(q, lower, color=BLUE, label='a₀(q), exact')
     axes.plot(q, upper, color=BLUE, linestyle=':', label='b₁(q), exact')
-    axes.plot(q, [theory.boundary_perturbed(one) for one in q], color=GREY, linestyle='--', label='a = −q²/2 (eq. 7)')
+    axes.plot(q, theory.boundary_perturbed(q), color=GREY, linestyle='--', label='a = −q²/2 (eq. 7)')
     points = [theory.mathieu_a(plant, speed) for speed in speeds]
     axes.plot([theory.mathieu_q(plant)] * len(points), points, 'o', color=ORANGE, markersize=4, label='the runs')
     axes.axhline(0.0, color=INK, linewidth=0.6)
@@ -52,6 +52,8 @@ def _draw_bench(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     averaged = np.sqrt(2.0 * plant.gravity / plant.k) / (rpm * RPM) / plant.length
     axes.plot(rpm, averaged, color=GREY, linestyle='--', label='averaged (eq. 8)')
     points = np.asarray(speeds) / RPM
-    axes.plot(points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4)
+    axes.plot(
+        points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4, label='runs'
+    )
     axes.set(xlabel='ω (RPM)', ylabel='λ/L', xlim=(500, 4000), ylim=(0, 0.4))
     axes.legend(fontsize=8)

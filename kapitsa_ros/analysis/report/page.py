@@ -1,0 +1,87 @@
+"""The report's page."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from kapitsa_ros.analysis.critical import evidence_of
+from kapitsa_ros.analysis.figures import frequency_sweep, stability_boundaries
+from kapitsa_ros.analysis.reduction import inverse
+from kapitsa_ros.analysis.report.content import TARGET_PERCENT
+from kapitsa_ros.analysis.report.drawings import extrapolation, intervals, recorded_spectrum, recorded_swing
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.share import share_path
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kapitsa_ros.analysis.report.content import Content
+
+_INCH = 0.0254
+
+
+def render(content: Content) -> str:
+    """Return the page: HTML that asks nothing of any other file or host."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters.update(rpm=_rpm, inch=_inch, number=_number, ends=_ends)
+    template = environment.from_string(share_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
+    return template.render(
+        content=content, report=PlantParameters(), figures=_figures(content), rpm_unit=RPM, target=TARGET_PERCENT
+    )
+
+
+def _figures(content: Content) -> list[Markup]:
+    ours = evidence_of([recorded.run for recorded in content.runs]).timed
+    line = inverse(ours)
+    nominal = PlantParameters(
+        length=content.plant.length, amplitude=content.plant.amplitude, gravity=content.plant.gravity
+    )
+    measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))
+    shown = content.runs[-1]
+    return [
+        _svg(figure)
+        for figure in (
+            intervals(content.estimates, content.predicted, content.truth),
+            stability_boundaries(nominal, ours.forcing.tolist()),
+            extrapolation(ours, content.of_1997, line.slope, line.omega_crit),
+            recorded_swing(shown),
+            recorded_spectrum(shown),
+            frequency_sweep(nominal, measured),
+        )
+    ]
+
+
+def _svg(figure: Figure) -> Markup:
+    """Return the figure's drawing alone, with ids of its own, and no date."""
+    title = figure.get_suptitle()
+    with mpl.rc_context({'svg.hashsalt': title, 'svg.fonttype': 'path'}):
+        file = io.StringIO()
+        figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})
+    drawing = file.getvalue()
+    drawing = drawing[drawing.index('<svg') :].replace('<svg ', f'<svg role="img" aria-label="{title}" ', 1)
+    return Markup(drawing)  # noqa: S704 - drawn here
+
+
+def _rpm(speed: float | None, digits: int = 1) -> str:
+    return 'none' if speed is None or math.isnan(speed) else f'{speed / RPM:.{digits}f}'
+
+
+def _inch(length: float) -> str:
+    return f'{length / _INCH:.4g} in'
+
+
+def _number(value: float | None, digits: int = 3) -> str:
+    return '' if value is None else f'{value:.{digits}g}'
+
+
+def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0, digits: int = 4) -> str:
+    if interval is None:
+        return ''
+    return ' to '.join('unbounded' if end is None else f'{end / unit:.{digits}g}' for end in interval)

@@ -1,0 +1,47 @@
+"""A Dask cluster as the workers of a campaign."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.rig.errors import RigError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from kapitsa_ros.analysis.campaign import Outcome
+
+_PATIENCE = '10s'
+
+
+class Cluster:
+    """The workers of a running Dask scheduler; each needs this package installed.
+
+    Raises
+    ------
+    RigError
+        The `campaign` extra is not installed, nobody answers at the address, or there are no workers.
+
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            from distributed import Client  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+        except ImportError as error:
+            raise RigError('--scheduler needs Dask: install kapitsa_ros[campaign]') from error
+        try:
+            self._client = Client(address, timeout=_PATIENCE)
+        except (OSError, ValueError) as error:
+            raise RigError(f'no Dask scheduler answers at {address} ({error})') from error
+        if not self.count:
+            raise RigError(f'the Dask scheduler at {address} has no workers: start one')
+
+    @property
+    def count(self) -> int:
+        """How many experiments are under way at once."""
+        return sum(self._client.nthreads().values())
+
+    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
+        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+        for future in self._client.map(function, list(seeds), pure=False):
+            yield future.result()

@@ -1,0 +1,40 @@
+"""`kapitsa report`: one self-contained page about recorded runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from kapitsa_ros.rig.errors import RigError
+
+
+@click.command()
+@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option('--output', type=click.Path(path_type=Path, dir_okay=False), required=True, help='the HTML file to write')
+@click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')
+def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
+    """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan."""
+    try:
+        import jinja2  # noqa: F401, PLC0415
+        import matplotlib as mpl  # noqa: F401, PLC0415
+    except ImportError as error:
+        raise RigError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    from kapitsa_ros.analysis.report import RecordedRun, gather, render  # noqa: PLC0415
+    from kapitsa_ros.analysis.table import read_table  # noqa: PLC0415
+    from kapitsa_ros.physics.steps import SECOND  # noqa: PLC0415
+    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+    from kapitsa_ros.rig.options import print_json  # noqa: PLC0415
+    from kapitsa_ros.share import share_path  # noqa: PLC0415
+
+    runs = []
+    for bag in (RunBag(path) for path in bags):
+        motion = bag.motion
+        seconds = (motion.stamps_ns - motion.stamps_ns[:1]) / SECOND
+        runs.append(RecordedRun(name=bag.path.name, run=bag.run, time=seconds, angle=motion.angle))
+    page = render(gather(runs, read_table(share_path('config', 'tables', '1997.csv'))))
+    output.write_text(page, encoding='utf-8')
+    if as_json:
+        print_json({'output': str(output)})
+    else:
+        click.echo(f'{output}')

@@ -1,0 +1,54 @@
+"""Shared memory that killed nodes have left behind."""
+
+from __future__ import annotations
+
+import fcntl
+import re
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_FOLDER = Path('/dev/shm')  # noqa: S108  # where Fast DDS keeps its segments
+_SEGMENT = re.compile(r'fastrtps_(?:port\d+|[0-9a-f]{16})')
+_LOCKS = ('_el', '_sl')
+"""Endings of the files that the owner of a segment, or its readers, hold locked while they live."""
+
+
+@contextmanager
+def no_dead_segments() -> Iterator[None]:
+    """Remove what earlier processes left, and on the way out what those of the context left."""
+    remove_dead_segments()
+    try:
+        yield
+    finally:
+        remove_dead_segments()
+
+
+def remove_dead_segments() -> None:
+    """Remove the segments of Fast DDS that have no owner: a process that is killed cannot do it itself."""
+    for name in dead_segments():
+        for file in (name, *(f'{name}{ending}' for ending in _LOCKS), f'sem.{name}_mutex'):
+            with suppress(OSError):  # somebody else's, or somebody was faster
+                (_FOLDER / file).unlink()
+
+
+def dead_segments() -> set[str]:
+    """Return the names of the segments that have no owner."""
+    if not _FOLDER.is_dir():
+        return set()
+    left = {match[0] for path in _FOLDER.iterdir() if (match := _SEGMENT.search(path.name))}
+    return {name for name in left if not any(_is_held(_FOLDER / f'{name}{ending}') for ending in _LOCKS)}
+
+
+def _is_held(lock: Path) -> bool:
+    try:
+        with lock.open('rb') as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return False

@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+
+from kapitsa_ros.analysis.campaign import perform_all
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.explain.timing import swings_seen
+from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
+from kapitsa_ros.analysis.plan.sensitivity import sensitivity
+from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.analysis.virtual import VirtualExperiment
+from kapitsa_ros.instruments.protocol import Protocol
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.physics.parameters import PlantParameters, load_preset
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact
+from kapitsa_ros.share import share_path
+from kapitsa_ros.units import RPM
+
+IDEAL = PlantParameters()
+OF_1997 = load_instruments('1997')
+
+
+def reached(plant, plan, experiments):
+    protocol = Protocol(speeds=plan.speeds, swings=plan.swings, repeats=plan.repeats)
+    experiment = VirtualExperiment(plant=plant, instruments=OF_1997, protocol=protocol, seed=0)
+    truth = omega_crit_exact(plant)
+    return np.array([abs(o.omega_crit / truth - 1) * 100 for o in perform_all(experiment, experiments)])
+
+
+def test_plan_is_kept_by_a_few_experiments():
+    plan = cheapest_plan(IDEAL, OF_1997, 2.0)
+    assert plan.expected_percent <= 2.0
+    assert np.mean(reached(IDEAL, plan, 20) <= 2.0) >= 0.8
+
+
+@pytest.mark.slow
+def test_one_per_cent_is_reached_in_300_experiments():
+    assert np.quantile(reached(IDEAL, cheapest_plan(IDEAL, OF_1997, 1.0), 300), 0.95) <= 1.0
+
+
+def test_a_finer_aim_costs_more():
+    costs = [cheapest_plan(IDEAL, OF_1997, target).seconds for target in (3.0, 1.5, 0.9)]
+    assert costs[0] < costs[1] < costs[2]
+
+
+def test_friction_eats_the_slow_runs():
+    built = load_preset('as_built_1997')
+    plan = cheapest_plan(built, OF_1997, 2.0)
+    assert plan.swings <= swings_seen(built, min(plan.speeds), 0.12, 20) < 6
+    assert (
+        min(plan.speeds) / omega_crit_exact(built) > 1.2 > min(cheapest_plan(IDEAL, OF_1997, 2.0).speeds) / 1354.8 / RPM
+    )
+
+
+def test_near_the_threshold_a_period_tells_most():
+    near, far = (sensitivity(IDEAL, speed * RPM, 0.12, 3) for speed in (1500, 2800))
+    assert abs(near.of_threshold) > 2.5 * abs(far.of_threshold)
+    # Ω² = (2g²/λ²)(ω²/w⁴ − 1/w²)/w⁰: d ln Ω/d ln w = −(2ω² − w²)/(ω² − w²) at constant λ, by averaged theory
+    ratio = (2800 / 1353.06) ** 2
+    assert far.of_threshold == pytest.approx((2 * ratio - 1) / (ratio - 1), rel=0.01)
+    assert far.of_amplitude == pytest.approx(1.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ('plant', 'target', 'message'),
+    [
+        (IDEAL, 0.0, 'above 0'),
+        (IDEAL, float('nan'), 'above 0'),
+        (IDEAL, 1e-6, 'no protocol tried'),
+        (PlantParameters(amplitude=0.003), 1.0, 'never holds it up'),
+        (PlantParameters(coulomb=30.0), 1.0, 'friction stops'),
+    ],
+)
+def test_aims_out_of_reach_say_why(plant, target, message):
+    with pytest.raises(AnalysisError, match=message):
+        cheapest_plan(plant, OF_1997, target)
+
+
+def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
+    table = read_table(share_path('config', 'tables', '1997.csv'))
+    deciding = best_separation(table, IDEAL, 'inertia_factor', 'large_swing')
+    assert deciding.release == 0.05
+    assert deciding.sigmas > 10
+    assert deciding.periods[1] < deciding.periods[0]  # a small swing on the ideal rod is the faster one
+
+
+def test_cause_that_is_ruled_out_needs_no_further_measurement():
+    table = read_table(share_path('config', 'tables', '1997.csv'))
+    with pytest.raises(AnalysisError, match='ruled out already'):
+        best_separation(table, IDEAL, 'inertia_factor', 'damping')
+    with pytest.raises(AnalysisError, match='no cause'):
+        best_separation(table, IDEAL, 'inertia_factor', 'ghosts')

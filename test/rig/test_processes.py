@@ -1,0 +1,309 @@
+"""The graph is real processes: they can be listed, stopped, killed, slowed and started by hand."""
+
+import os
+import random
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rclpy.context import Context
+from rclpy.node import Node
+
+from kapitsa_ros.nodes.observer import Observer
+from kapitsa_ros.physics.parameters import load_preset
+from kapitsa_ros.recording.topics import RECORDED, ROLES, WRITTEN
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import node_environment, on_loopback
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.processes import Nodes
+from kapitsa_ros.rig.roster import Setup, parameters
+from kapitsa_ros.rig.segments import dead_segments, remove_dead_segments
+
+Kapitsa = Callable[..., Any]
+Recorded = tuple[Path, dict[str, Any]]
+PATIENCE = 60.0
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    with reserved_domain() as number:
+        yield number
+
+
+@pytest.fixture
+def observer(domain: int) -> Iterator[Observer]:
+    with on_loopback():
+        listening = Observer(domain)
+    with listening:
+        yield listening
+
+
+def setup_of(bags: Path, *, rate: float = 0.0, preset: str = 'ideal') -> Setup:
+    return Setup(plant=load_preset(preset), bags=bags, rate=rate)
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob('*')) if path.is_file()}
+
+
+def carry_out(nodes: Nodes) -> None:
+    """Wait until the session is over."""
+    deadline = time.monotonic() + PATIENCE
+    while not nodes.wait(1.0):
+        assert time.monotonic() < deadline, 'the session did not end'
+
+
+def children(pid: int) -> list[int]:
+    """Return the processes a process has started."""
+    found = []
+    for entry in Path('/proc').iterdir():
+        if entry.name.isdecimal():
+            try:
+                parent = int((entry / 'stat').read_text().rpartition(')')[2].split()[1])
+            except OSError:
+                continue
+            if parent == pid:
+                found.append(int(entry.name))
+    return found
+
+
+def role_of(pid: int) -> str:
+    command = Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
+    return command[command.index(b'kapitsa_ros.nodes') + 1].decode()
+
+
+def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, tmp_path: Path) -> None:
+    context = Context()
+    with on_loopback():
+        rclpy.init(context=context, domain_id=domain)
+    spectator = Node('spectator', context=context)
+    try:
+        with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
+            observer.wait_for_progress(PATIENCE)
+            assert set(ROLES) <= set(spectator.get_node_names())
+            seen = dict(spectator.get_topic_names_and_types())
+            for topic in (*RECORDED, WRITTEN):
+                assert seen[f'/{topic.name}'] == [topic.type]
+                assert [end.node_name for end in spectator.get_publishers_info_by_topic(topic.name)] == [topic.writer]
+                readers = {end.node_name for end in spectator.get_subscriptions_info_by_topic(topic.name)}
+                assert set(topic.readers) & set(ROLES) <= readers
+            for topic, kind in (('/joint_states', 'sensor_msgs/msg/JointState'), ('/clock', 'rosgraph_msgs/msg/Clock')):
+                assert seen[topic] == [kind]
+    finally:
+        spectator.destroy_node()
+        context.try_shutdown()
+
+
+def test_dds_ports_are_open_on_loopback_alone(domain: int, observer: Observer, tmp_path: Path) -> None:
+    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+        observer.wait_for_progress(PATIENCE)
+        inodes = {
+            match[1]
+            for role in ROLES
+            for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir()
+            if (match := re.match(r'socket:\[(\d+)\]', os.readlink(link)))
+        }
+        rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
+        bound = [row[1].split(':') for row in rows if row[9] in inodes]
+    first = 7400 + 250 * domain  # RTPS specification, 9.6.1.1
+    addresses = {address for address, port in bound if first <= int(port, 16) < first + 250}
+    assert addresses == {'0100007F'}
+
+
+def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorded, tmp_path: Path, domain: int) -> None:
+    order = list(ROLES)
+    random.Random(1997).shuffle(order)
+    environment = node_environment(domain)
+    processes = []
+    try:
+        for role in order:
+            arguments = [sys.executable, '-m', 'kapitsa_ros.rig', 'node', role]
+            if role == 'recorder':
+                arguments += ['--ros-args', '-p', f'bags:={tmp_path / "A"}']
+            if role in {'strobe', 'stopwatch'}:
+                arguments += ['--ros-args', '--params-file', 'config/instruments/1997.yaml']
+            processes.append(subprocess.Popen(arguments, env=environment, stderr=subprocess.PIPE, text=True))
+            time.sleep(10 / len(order))  # spread over ten seconds: what is tested, not a wait for something
+        for role, process in zip(order, processes, strict=True):
+            _, err = process.communicate(timeout=PATIENCE)
+            assert process.returncode == 0, f'{role}: {err}'
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+    assert files(tmp_path / 'A') == files(recorded[0])
+
+
+def test_whoever_is_missing_is_named(domain: int) -> None:
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'kapitsa_ros.rig', 'node', 'pendulum'],
+        env=node_environment(domain), stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        line = next(line for line in process.stderr if 'waiting' in line)
+        assert 'jigsaw, operator, recorder, stopwatch' in line
+        assert f'domain {domain}' in line
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=10)
+    assert process.returncode == 0
+    assert 'Traceback' not in err
+
+
+SLOW_RECORDER = """
+import sys, time
+import kapitsa_ros.nodes.recorder as recorder
+from kapitsa_ros.nodes.__main__ import main
+
+class Slow(recorder.RecorderNode):
+    def accept(self, topic, tick, raw):
+        time.sleep(0.001)
+        return super().accept(topic, tick, raw)
+
+recorder.create = Slow
+sys.exit(main(['recorder', *sys.argv[1:]]))
+"""
+
+
+def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp_path: Path, domain: int) -> None:
+    others = [role for role in ROLES if role != 'recorder']
+    command = [sys.executable, '-c', SLOW_RECORDER, '--ros-args', '-p', f'bags:={tmp_path / "A"}']
+    with Nodes(others, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+        slow = subprocess.Popen(command, env=node_environment(domain))
+        try:
+            carry_out(nodes)
+            assert slow.wait(10) == 0
+        finally:
+            slow.kill()
+            slow.wait()
+    assert files(tmp_path / 'A') == files(recorded[0])
+
+
+def test_a_recorder_stopped_for_a_while_loses_nothing(
+    recorded: Recorded, tmp_path: Path, domain: int, observer: Observer
+) -> None:
+    with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+        observer.wait_for_progress(PATIENCE)
+        nodes['recorder'].end(signal.SIGSTOP)
+        assert not nodes.wait(5.0), 'the session ended without its recorder'
+        nodes['recorder'].end(signal.SIGCONT)
+        carry_out(nodes)
+    assert files(tmp_path / 'A') == files(recorded[0])
+
+
+@pytest.mark.parametrize('role', ROLES)
+def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        env={name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'},
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        assert next(line for line in process.stderr if 'run 1 of 3' in line)
+        nodes = {role_of(pid): pid for pid in children(process.pid)}
+        os.kill(nodes[role], signal.SIGKILL)
+        killed = time.monotonic()
+        out, err = process.communicate(timeout=30)
+        assert time.monotonic() - killed < 5.0
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 1
+    assert out == ''
+    assert [line for line in err.splitlines() if line] == [f'kapitsa: error: {role} was killed by SIGKILL']
+    assert not [pid for pid in nodes.values() if Path(f'/proc/{pid}').exists()]
+    assert not dead_segments()
+    # A bag that is left does not pretend to be whole.
+    for bag in (tmp_path / 'A').glob('*/metadata.yaml'):
+        assert "complete: 'false'" in bag.read_text()
+
+
+def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
+    with Nodes(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
+        assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)
+        assert not dead_segments()
+        nodes['pendulum'].end(signal.SIGKILL)
+        with pytest.raises(RigError, match='pendulum was killed'):
+            nodes.wait(PATIENCE)
+        assert dead_segments()
+        remove_dead_segments()
+        assert not dead_segments()
+
+
+def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
+    command = [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '1', '--bags', str(tmp_path)]
+    environment = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
+    assert process.stderr is not None
+    assert next(line for line in process.stderr if 'run 1 of 3' in line)
+    nodes = [os.pidfd_open(pid) for pid in children(process.pid)]
+    assert len(nodes) == len(ROLES)
+    process.kill()
+    process.communicate()
+    for node in nodes:
+        assert select.select([node], [], [], 10.0)[0], 'a node still runs'
+        os.close(node)
+    remove_dead_segments()  # those of the rig itself, which the next one would remove
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_every_node_with_status_0(
+    number: signal.Signals, domain: int, observer: Observer, tmp_path: Path
+) -> None:
+    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+        observer.wait_for_progress(PATIENCE)
+        for role in ROLES:
+            nodes[role].end(number)
+        carry_out(nodes)
+        assert [nodes[role].status() for role in ROLES] == [0] * len(ROLES)
+        assert not [words for role in ROLES if 'Traceback' in (words := nodes[role].last_words())]
+
+
+def test_ctrl_c_ends_the_experiment_cleanly(tmp_path: Path) -> None:
+    command = [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '1', '--bags', str(tmp_path)]
+    environment = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
+    assert process.stderr is not None
+    assert next(line for line in process.stderr if 'run 1 of 3' in line)
+    nodes = children(process.pid)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=10)
+    assert process.returncode == 130
+    assert err.strip() == 'kapitsa: error: interrupted'
+    assert not [pid for pid in nodes if Path(f'/proc/{pid}').exists()]
+    assert all("complete: 'false'" in metadata.read_text() for metadata in tmp_path.glob('*/metadata.yaml'))
+
+
+def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_path: Path) -> None:
+    answer = kapitsa('experiment', '--bags', tmp_path, env={'ROS_DOMAIN_ID': str(domain)})
+    assert answer.status == 1
+    assert f'a rig runs in domain {domain} already' in answer.err
+
+
+def test_a_second_node_of_a_role_is_refused(domain: int, observer: Observer, tmp_path: Path) -> None:
+    """Both of two rigs started by hand in one domain see it; the one that runs goes on."""
+    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+        observer.wait_for_progress(PATIENCE)
+        with Nodes(['pendulum'], parameters(setup_of(tmp_path)), domain) as second:
+            with pytest.raises(RigError, match=r'2 nodes write pendulum/motion .* ROS_DOMAIN_ID|joined late'):
+                while not second.wait(1.0):
+                    pass
+        before = observer.progress
+        assert observer.wait_for_progress(PATIENCE) != before
+        assert all(nodes[role].status() is None for role in ROLES)
+
+
+def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:
+    (tmp_path / 'A').write_text('a file where a folder should be')
+    with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes, pytest.raises(RigError, match='recorder .*cannot write'):
+        carry_out(nodes)

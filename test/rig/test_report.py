@@ -1,0 +1,84 @@
+import re
+from html.parser import HTMLParser
+
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip('matplotlib')
+pytest.importorskip('jinja2')
+
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of
+from kapitsa_ros.analysis.report import RecordedRun, gather, render
+from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.physics.steps import SECOND
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig.commands.report import report
+from kapitsa_ros.share import share_path
+from kapitsa_ros.units import RPM
+
+
+@pytest.fixture(scope='module')
+def runs():
+    recorded = []
+    for path in sorted(share_path('bags').iterdir()):
+        bag = RunBag(path)
+        seconds = (bag.motion.stamps_ns - bag.motion.stamps_ns[0]) / SECOND
+        recorded.append(RecordedRun(name=path.name, run=bag.run, time=seconds, angle=bag.motion.angle))
+    return recorded
+
+
+@pytest.fixture(scope='module')
+def page(runs):
+    return render(gather(runs, read_table(share_path('config', 'tables', '1997.csv')), experiments=2))
+
+
+class _Reader(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.text, self.references, self.tags = '', [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.references += [value for name, value in attrs if name in ('src', 'href', 'xlink:href', 'data', 'action')]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_no_request_leaves_the_file(page):
+    reader = _Reader()
+    reader.feed(page)
+    assert all(reference.startswith('#') for reference in reader.references)
+    assert all(target.startswith('#') for target in re.findall(r'url\(([^)]*)\)', page))
+    assert '@import' not in page
+    assert not {'script', 'link', 'iframe', 'object'} & set(reader.tags)
+
+
+def test_tables_and_figures_of_1997_stand_beside_the_runs(page, runs):
+    reader = _Reader()
+    reader.feed(page)
+    for number in (1, 2, 3):
+        assert f'Table {number}' in reader.text
+    for number in (2, 3, 4, 5, 6):
+        assert f'aria-label="Figure {number}' in page
+    for figure in ('1640.0', '1636.2', '1353.06', '+21.2 %', f'{runs[0].run.period:.3f}'):
+        assert figure in reader.text
+    fit = direct_fit(evidence_of([run.run for run in runs]), Ruler(amplitude=runs[0].run.plant.amplitude))
+    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert 'inertia factor, large swing, amplitude, stopwatch scale' in reader.text
+
+
+def test_swing_begins_where_it_was_let_go(runs):
+    for recorded in runs:
+        time, angle = recorded.free_swing()
+        assert time[0] == 0
+        assert abs(angle[0]) == pytest.approx(recorded.run.release, rel=0.01)
+        assert time[-1] > 1.0
+
+
+def test_bag_that_is_none_is_refused_before_anything_is_written(tmp_path):
+    output = tmp_path / 'report.html'
+    result = CliRunner().invoke(report, [str(tmp_path), '--output', str(output)])
+    assert isinstance(result.exception, BagError)
+    assert not output.exists()
