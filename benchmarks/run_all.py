@@ -1,4 +1,4 @@
-"""Run every benchmark, one after the other, and write the table for the README."""
+"""Run every benchmark, one after the other, and write the table for the README: benchmarks/results.md."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ SCRIPTS = ('smooth_run', 'friction_run', 'sampled_block', 'stability_map', 'traj
 
 
 def main() -> None:
-    """Print every claim as JSON, then the table; leave both in benchmarks/results."""
+    """Print every claim as JSON, then the table."""
     claims = []
     for script in SCRIPTS:
         output = subprocess.run(  # noqa: S603
@@ -21,10 +21,7 @@ def main() -> None:
         print(output, end='', flush=True)
         claims += [json.loads(line) for line in output.splitlines()]
     table = '\n'.join(rows(claims)) + '\n'
-    results = HERE / 'results'
-    results.mkdir(exist_ok=True)
-    (results / 'claims.json').write_text(json.dumps(claims, indent=1) + '\n', encoding='utf-8')
-    (results / 'table.md').write_text(table, encoding='utf-8')
+    (HERE / 'results.md').write_text(table, encoding='utf-8')
     print(f'\n{table}')
 
 

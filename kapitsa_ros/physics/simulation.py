@@ -20,15 +20,21 @@ if TYPE_CHECKING:
 
 STOP = math.pi / 2
 PROMISED = 1e-11  # rad left out of one step at most
+REFINEMENTS = (1, 2, 4, 8)
 
 
-class _Pacing(NamedTuple):
-    step: float
-    """s."""
+class _Leg(NamedTuple):
+    """Equidistant samples at one pace."""
+
+    start: float
+    """Phase of the pivot, turns."""
+    period: float
+    """From sample to sample, s."""
     turns: float
-    """Of the shaft in a step."""
+    """Of the shaft in that time."""
     stride: int
-    """Steps from one sample to the next."""
+    """Steps from sample to sample."""
+    samples: int
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,10 +97,8 @@ class Release:
         """
         count = whole_samples(duration, sample_rate)
         stride = math.ceil(1.0 / (sample_rate * longest_step(self.plant, self.speed)))
-        step = 1.0 / (sample_rate * stride)
-        state = self._state()
-        pacing = _Pacing(step, self.speed / (2.0 * math.pi) * step, stride)
-        motion = self._advance(state, self._start, pacing, count)
+        turns = self.speed / (2.0 * math.pi * sample_rate)
+        motion, state = self._follow([_Leg(self._start, 1.0 / sample_rate, turns, stride, count)])
         return _trajectory(np.arange(count + 1) / sample_rate, motion, state)
 
     def strobed(self, turns: int) -> Trajectory:
@@ -102,10 +106,10 @@ class Release:
         period = 2.0 * math.pi / self.speed
         stride = steps_per_turn(self.plant, self.speed)
         lead = (1.0 - self._start) % 1.0
-        state = self._state()
+        legs = [_Leg(0.0, period, 1.0, stride, turns)]
         if lead > 0:
-            self._advance(state, self._start, _Pacing(lead * period / stride, lead / stride, stride), 1)
-        motion = self._advance(state, 0.0, _Pacing(period / stride, 1.0 / stride, stride), turns)
+            legs.insert(0, _Leg(self._start, lead * period, lead, stride, 1))
+        motion, state = self._follow(legs)
         return _trajectory((lead + np.arange(turns + 1)) * period, motion, state)
 
     @property
@@ -113,20 +117,26 @@ class Release:
         """Turns from the bottom at time 0."""
         return (self.phase / (2.0 * math.pi)) % 1.0
 
-    def _state(self) -> NDArray[np.float64]:
-        state = layout.state_at_rest(self.angle, self.plant.clearance)
-        state[layout.MODE] = layout.MOVING
-        return state
-
-    def _advance(self, state: NDArray[np.float64], start: float, pacing: _Pacing, count: int) -> NDArray[np.float64]:
-        motion = np.empty((2, count + 1))
+    def _follow(self, legs: list[_Leg]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the motion over the last leg and the state it ends in; a wild swing takes shorter steps."""
         constants = layout.constants(self.plant, stop=STOP, linear=self.linear)
-        left_out = advance_cosine(self.plant.amplitude, self.speed, start, *pacing, constants, state, motion)
-        if left_out == TOO_THICK:
-            raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
-        if not left_out <= PROMISED:
-            raise PhysicsError(f'a step leaves out {left_out:.1g} rad: the rod swings too wildly for 1e-8 rad')
-        return motion
+        for refinement in REFINEMENTS:
+            state = layout.state_at_rest(self.angle, self.plant.clearance)
+            state[layout.MODE] = layout.MOVING
+            worst = 0.0
+            for leg in legs:
+                stride = leg.stride * refinement
+                motion = np.empty((2, leg.samples + 1))
+                pacing = (leg.period / stride, leg.turns / stride, stride)
+                left_out = advance_cosine(
+                    self.plant.amplitude, self.speed, leg.start, *pacing, constants, state, motion
+                )
+                if left_out == TOO_THICK:
+                    raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
+                worst = max(worst, left_out)
+            if worst <= PROMISED:
+                return motion, state
+        raise PhysicsError(f'a step leaves out {worst:.1g} rad: the rod swings too wildly for 1e-8 rad')
 
 
 def _trajectory(

@@ -2,20 +2,31 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from kapitsa_ros.physics import theory
+from kapitsa_ros.physics.bending import Bending, bend
+from kapitsa_ros.physics.ensemble import release_many
+from kapitsa_ros.physics.kernels.verlet import verlet
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.pivot import Jigsaw
 from kapitsa_ros.physics.plant import Pendulum
-from kapitsa_ros.physics.theory.floquet import growth_rate
-from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.physics.simulation import Release
+
+SPEED = 250.0
 
 
 def warm() -> None:
     """Compile the kernels and leave them in numba's cache on disk."""
     plant = PlantParameters()
-    pendulum = Pendulum(plant)
-    pendulum.advance(Jigsaw(amplitude=plant.amplitude).advance(100.0, 0.1, 100))
-    growth_rate(plant, 200.0)
-    slow_frequency_nonlinear(plant, 250.0, 0.1)
+    Pendulum(plant).advance(Jigsaw(amplitude=plant.amplitude).advance(100.0, 0.1, 100))
+    release = Release(plant=plant, speed=SPEED, angle=0.1)
+    release.strobed(1)
+    bend(release, Bending(frequency=500.0), 0.01)
+    release_many(plant, speed=SPEED, angle=0.1, duration=0.01)
+    theory.growth_rate(plant, SPEED)
+    theory.stability_map(plant, [SPEED], [plant.amplitude])
+    verlet(1.0, 1.0, SPEED, 0.0, 0.1, 1, np.empty((2, 2)))
 
 
 if __name__ == '__main__':

@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from laboratory import jigsaw_at, swing
+from scipy.integrate import solve_ivp
 from truth import ENTRIES, plant_of, speed_of
 
 from kapitsa_ros.physics import theory
@@ -111,6 +112,57 @@ def test_play_stiffens_the_slow_motion_as_published(name):
     monodromy = following @ np.linalg.pinv(before)
     slow = abs(np.angle(np.linalg.eigvals(monodromy)[0])) / TURN / RPM
     assert slow == pytest.approx(entry['value'], rel=2e-5)
+
+
+def struck(plant, y, wall, *, pressing):
+    """Return the state after an impact, and whether the hole now rests on the pin."""
+    angle, rate, _, strike = y
+    rebound = plant.restitution * strike
+    rests = pressing and abs(rebound) < 1e-6
+    if rests:
+        rebound = 0.0
+    return [angle, rate - (strike + rebound) * plant.k * math.sin(angle), wall * 0.5 * plant.clearance, -rebound], rests
+
+
+def impacts_by_scipy(plant, release, end):
+    """Return θ of a rod in play, from SciPy's event location: contact, flight and impacts told apart by hand."""
+
+    def shake(t):
+        return plant.gravity + plant.amplitude * SPEED**2 * math.cos(SPEED * t)
+
+    def in_contact(t, y):
+        return [y[1], plant.k * shake(t) * math.sin(y[0]), 0.0, 0.0]
+
+    def in_flight(t, y):
+        return [y[1], 0.0, y[3], -shake(t)]
+
+    def room(_, y):
+        return 0.5 * plant.clearance - abs(y[2])
+
+    def lift(t, _):
+        return shake(t)
+
+    room.terminal, room.direction = True, -1
+    lift.terminal = True
+    t, y, side = 0.0, [release, 0.0, -0.5 * plant.clearance, 0.0], -1.0
+    while t < end:
+        flow, events = (in_contact, lift) if side else (in_flight, room)
+        part = solve_ivp(flow, (t, end), y, method='DOP853', rtol=1e-12, atol=1e-14, events=events, max_step=1e-3)
+        t, y = part.t[-1], list(part.y[:, -1])
+        if t < end and side:
+            side, y[3] = 0.0, 0.0
+        elif t < end:
+            wall = math.copysign(1.0, y[2])
+            y, rests = struck(plant, y, wall, pressing=wall * shake(t + 1e-10) < 0)
+            side = wall if rests else 0.0
+    return y[0]
+
+
+@pytest.mark.parametrize(('restitution', 'within'), [(0.0, 1e-10), (0.3, 1e-6), (0.6, 1e-6)])
+def test_impacts_agree_with_event_location(restitution, within):
+    plant = PlantParameters(clearance=5e-4, restitution=restitution)
+    _, angle, _, _ = swing(plant, SPEED, 0.1, blocks=3)
+    assert angle[-1] == pytest.approx(impacts_by_scipy(plant, 0.1, 0.3), abs=within)
 
 
 def test_play_at_zero_clearance_equals_no_play():

@@ -1,7 +1,8 @@
-"""How kernels are compiled."""
+"""How kernels are compiled, and when what was compiled is out of date."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import numba
@@ -13,10 +14,20 @@ _P = ParamSpec('_P')
 _R = TypeVar('_R')
 
 
-def kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile on first call and keep the machine code on disk.
+def _stamp() -> tuple[tuple[str, int, int], ...]:
+    """Return what tells one state of all kernels' sources from another."""
+    files = sorted(Path(__file__).parent.glob('*.py'))
+    return tuple((file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files)
 
-    Products and sums must not fuse: code from the disk and code just compiled would round differently.
-    """
-    compiled: Any = numba.njit(cache=True, error_model='numpy')(function)
+
+_SOURCES = _stamp()
+
+
+def kernel(function: Callable[_P, _R], *, parallel: bool = False) -> Callable[_P, _R]:
+    """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered."""
+    compiled: Any = numba.njit(cache=True, fastmath={'contract'}, error_model='numpy', parallel=parallel)(function)
+    # Numba asks only whether the function's own file has changed, but kernels are compiled into one another.
+    cache: Any = getattr(compiled, '_cache', None)
+    if hasattr(cache, '_cache_file'):
+        cache._cache_file._source_stamp = _SOURCES  # noqa: SLF001
     return compiled  # type: ignore[no-any-return]

@@ -3,18 +3,20 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
 
 from kapitsa_ros.physics.kernels.cosine import advance_cosine
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@numba.njit(cache=True, parallel=True)
+@partial(kernel, parallel=True)
 def advance_many(
     amplitude: float,
     speed: NDArray[np.float64],

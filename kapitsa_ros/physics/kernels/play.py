@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-SMALLEST_BOUNCE = 1e-9  # of the clearance: the hole has come to rest on the pin
+SMALLEST_BOUNCE = 1e-12  # of the clearance: the last impact of a bouncing hole takes all that is left
 
 
 @kernel
@@ -93,18 +93,18 @@ def touch(
         return
     side = math.copysign(1.0, state[GAP])
     strike = state[GAP_RATE]
+    rebound = plant[RESTITUTION] * strike
+    pressing = -side * load[0] / (step * step)
+    if pressing > 0.0 and rebound**2 <= 2.0 * pressing * SMALLEST_BOUNCE * state[CLEARANCE]:
+        rebound = 0.0
+        state[CONTACT] = side
     lean = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
-    state[RATE] -= (1.0 + plant[RESTITUTION]) * strike * plant[K] * lean
-    state[GAP_RATE] = -plant[RESTITUTION] * strike
+    state[RATE] -= (strike + rebound) * plant[K] * lean
+    state[GAP_RATE] = -rebound
 
-    energy = 0.5 * (1.0 - plant[RESTITUTION] ** 2) * strike * strike
+    energy = 0.5 * (strike * strike - rebound * rebound)
     state[IMPACT_ENERGY] += energy
     state[CLEARANCE] += plant[WEAR] * energy
     if state[CLEARANCE] >= plant[FAILURE_CLEARANCE]:
         state[MODE] = FAILED
     state[GAP] = side * 0.5 * state[CLEARANCE]
-
-    pressing = -side * load[0] / (step * step)
-    if pressing > 0.0 and state[GAP_RATE] ** 2 <= 2.0 * pressing * SMALLEST_BOUNCE * state[CLEARANCE]:
-        state[CONTACT] = side
-        state[GAP_RATE] = 0.0

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_PIECES = 10_000
-WORK_ROWS = 6
+WORK_ROWS = 7
 
 
 @kernel
@@ -112,7 +112,8 @@ def _advance_by_pieces(
 ) -> bool:
     """Go from event to event; the load is re-centred at each."""
     angle, gap = work[0], work[5, : load.size + 2]
-    load = load.copy()
+    work[6, : load.size] = load
+    load = work[6, : load.size]
     if start > 0.0:
         shift(load, start)
     left = 1.0 - start

@@ -55,8 +55,9 @@ def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
 @kernel
 def _first_in_unit(polynomial: NDArray[np.float64]) -> float:
     start, width = 0.0, 1.0
+    local = np.empty(polynomial.size)
     while start < 1.0:
-        local = polynomial.copy()
+        local[:] = polynomial
         changes = _sign_changes(local, start, width)
         if changes == 0:
             start += width
