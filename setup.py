@@ -19,7 +19,6 @@ def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
 
 CORE = [
     'click>=8.1',
-    'iminuit>=2.25',
     'numba>=0.59',
     'numpy>=1.26',
     'pint>=0.22',
@@ -34,6 +33,9 @@ CORE = [
 REPORT = [
     'jinja2>=3.1',
     'matplotlib>=3.6',
+]
+CAMPAIGN = [
+    'distributed>=2024.1',
 ]
 BENCHMARKS = [
     'heyoka',
@@ -73,9 +75,10 @@ setup(
     install_requires=CORE,
     extras_require={
         'report': REPORT,
+        'campaign': CAMPAIGN,
         'benchmarks': BENCHMARKS,
         'dev': DEVELOPMENT,
-        'all': [*REPORT, *BENCHMARKS, *DEVELOPMENT],
+        'all': [*REPORT, *CAMPAIGN, *BENCHMARKS, *DEVELOPMENT],
     },
     entry_points={'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main']},
     zip_safe=False,

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,6 +23,9 @@ from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 JITTER, SWINGS, LIMIT = 0.1, 3, 1640 * RPM
 SPEEDS = np.array([2240.0, 2640.0, 2780.0]) * RPM

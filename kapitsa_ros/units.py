@@ -14,11 +14,11 @@ RPM = 2 * math.pi / 60
 
 
 @cache
-def _registry() -> pint.UnitRegistry:
+def _registry() -> pint.UnitRegistry[float]:
     """Build the registry at first use: it takes a third of a second, and most values come without a unit."""
     import pint  # noqa: PLC0415
 
-    registry = pint.UnitRegistry(on_redefinition='ignore')
+    registry: pint.UnitRegistry[float] = pint.UnitRegistry(on_redefinition='ignore')
     # Pint counts hertz as 1/s, so that 1 Hz would be 1 rad/s; a shaft that turns at 1 Hz makes one turn a second.
     registry.define('hertz = turn / second = Hz')
     return registry

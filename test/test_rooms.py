@@ -19,7 +19,9 @@ def imported(path: Path) -> set[str]:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            base = '.'.join((*here[: len(here) - node.level], *filter(None, [node.module]))) if node.level else node.module
+            base = (
+                '.'.join((*here[: len(here) - node.level], *filter(None, [node.module]))) if node.level else node.module
+            )
             names |= {f'{base}.{alias.name}' for alias in node.names}
     return names
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from kapitsa_ros.instruments.randomness import stream
-from kapitsa_ros.recording.messages import decode_samples
 from kapitsa_ros.nodes.parameters import declare_seed
 from kapitsa_ros.nodes.stage import JoinedStage, seconds_of_run
+from kapitsa_ros.recording.messages import decode_samples
 from kapitsa_ros.recording.wire import stamp_of
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-    from kapitsa_ros.recording.topics import Topic
     from kapitsa_ros.physics.samples import Samples
     from kapitsa_ros.physics.steps import Tick
+    from kapitsa_ros.recording.topics import Topic
 
 
 class Observer(Protocol):

@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING
 from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_command, encode_samples
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
@@ -24,6 +22,8 @@ from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
 from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, encode_samples
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -46,11 +46,15 @@ class JigsawNode(Stage):
             raise SettingError(
                 f'parameter sample_rate: {sample_rate} Hz and a step of {step} s do not make whole samples of whole ns'
             )
-        self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100)
+        self._in_flight = declare(
+            self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100
+        )
         self._plant = declare_plant(self, 'amplitude')
         self._motion = {
             'rod_ratio': declare(self, 'rod_ratio', 0.0, 'connecting rod over crank radius; 0: pure cosine', 0.0, 1e6),
-            'phase': declare(self, 'phase', 0.0, 'of the pivot when a run begins, rad; 0: bottom of the stroke', -10.0, 10.0),
+            'phase': declare(
+                self, 'phase', 0.0, 'of the pivot when a run begins, rad; 0: bottom of the stroke', -10.0, 10.0
+            ),
             'spin_up': declare(self, 'spin_up', 200.0, 'angular acceleration of the shaft, rad/s^2', 0.1, 1e5),
             'max_speed': declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
         }
@@ -64,8 +68,13 @@ class JigsawNode(Stage):
         self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
-                'jigsaw', amplitude=self._plant.amplitude, step=step, sample_rate=sample_rate, in_flight=self._in_flight,
-                versions=versions(), **self._motion,
+                'jigsaw',
+                amplitude=self._plant.amplitude,
+                step=step,
+                sample_rate=sample_rate,
+                in_flight=self._in_flight,
+                versions=versions(),
+                **self._motion,
             )
         )
 
@@ -97,7 +106,9 @@ class JigsawNode(Stage):
             return False
         tick = self._commands[0][0]
         if (tick.run, tick.step) != (self._next.run, self._next.step):
-            raise NodeError(f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight')
+            raise NodeError(
+                f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight'
+            )
         return all(self._has_caught_up(ack) for ack in self._acknowledged.values())
 
     def _has_caught_up(self, ack: Tick | None) -> bool:

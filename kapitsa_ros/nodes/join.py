@@ -69,7 +69,9 @@ class Join:
         heads = {topic: queue[0] for topic, queue in self._leading.items()}
         run, tick, _ = next(iter(heads.values()))
         if any(head[1] != tick for head in heads.values()):
-            raise SequenceError(f'topics disagree: {", ".join(f"{topic} is at {head[1]}" for topic, head in heads.items())}')
+            raise SequenceError(
+                f'topics disagree: {", ".join(f"{topic} is at {head[1]}" for topic, head in heads.items())}'
+            )
         # Runs are told apart by their order, not by their number: bags may be played in any order.
         here = (run + 1, 0) if tick.end else (run, tick.step)
         for queue in self._following.values():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -35,7 +35,7 @@ class Observer:
 
     """
 
-    def __init__(self, domain: int, on_progress: Callable[[dict[str, str]], None] = lambda values: None) -> None:
+    def __init__(self, domain: int, on_progress: Callable[[dict[str, str]], None] | None = None) -> None:
         self.progress: dict[str, str] = {}
         """Values of the newest report."""
         self.runs: list[dict[str, Any]] = []
@@ -54,7 +54,7 @@ class Observer:
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
 
-    def __enter__(self) -> Observer:
+    def __enter__(self) -> Self:
         """Begin to listen."""
         self._thread.start()
         return self
@@ -107,7 +107,8 @@ class Observer:
                 with self._news:
                     self.progress = {pair.key: pair.value for pair in status.values}
                     self._news.notify_all()
-                self._on_progress(self.progress)
+                if self._on_progress is not None:
+                    self._on_progress(self.progress)
 
     def _take_result(self, raw: bytes) -> None:
         for name, values in decode_result(raw).items():

@@ -37,7 +37,7 @@ _PLANT = {
 }
 
 
-def declare(  # noqa: PLR0913, PLR0917
+def declare(  # noqa: PLR0917
     node: Node,
     name: str,
     default: Any,
@@ -89,7 +89,12 @@ def declare_settings(node: Node, kind: Any) -> Any:
     """Declare the fields of an instrument's settings as parameters and return the settings they make."""
     values = {
         field.name: declare(
-            node, field.name, field.default, field.metadata['description'], field.metadata['low'], field.metadata['high']
+            node,
+            field.name,
+            field.default,
+            field.metadata['description'],
+            field.metadata['low'],
+            field.metadata['high'],
         )
         for field in fields(kind)
     }

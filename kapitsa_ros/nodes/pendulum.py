@@ -8,17 +8,17 @@ import numpy as np
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_command, decode_samples, encode_samples
 from kapitsa_ros.nodes.parameters import declare_plant, settings_text
 from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import JoinedStage
 from kapitsa_ros.nodes.view import Throttle, to_time
-from kapitsa_ros.recording.wire import stamp_of
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.samples import Samples
 from kapitsa_ros.physics.steps import SECOND
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command, decode_samples, encode_samples
+from kapitsa_ros.recording.wire import stamp_of
 
 if TYPE_CHECKING:
     from kapitsa_ros.physics.steps import Tick

@@ -1,4 +1,4 @@
-"""The recorder: one bag a run, the messages of each step in a fixed order, and an acknowledgement when they are written."""
+"""The recorder: one bag a run, the messages of each step in a fixed order, acknowledged when they are written."""
 
 from __future__ import annotations
 

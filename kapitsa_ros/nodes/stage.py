@@ -15,10 +15,10 @@ from kapitsa_ros.nodes.join import Join
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.peers import Peers
 from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
-from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
-from kapitsa_ros.recording.errors import WireError
-from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+from kapitsa_ros.recording.errors import WireError
+from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
+from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -52,7 +52,9 @@ class Stage(Node):
         self._refused = 0
         self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
         self.writes = writes
-        self._out = {topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes}
+        self._out = {
+            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes
+        }
         for topic in self.reads:
             self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
         self._peers = Peers(self, writes, self.reads, self.expected)
@@ -89,7 +91,9 @@ class Stage(Node):
                     raise ExternalShutdownException from None
                 if not said:
                     readers = ', '.join(self._peers.readers(topic))
-                    self.get_logger().warning(f'{topic.name} is full: waiting for a reader that has stopped ({readers})')
+                    self.get_logger().warning(
+                        f'{topic.name} is full: waiting for a reader that has stopped ({readers})'
+                    )
                     said = True
                 time.sleep(0.01)
             else:
@@ -187,5 +191,3 @@ def ends_session(tick: Tick) -> bool:
 def seconds_of_run(stamp_ns: int, tick: Tick) -> float:
     """Return the seconds of the run at a stamp."""
     return (stamp_ns - tick.run * DAY) / SECOND
-
-

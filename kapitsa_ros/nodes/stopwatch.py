@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros.instruments.settings import StopwatchSettings
 from kapitsa_ros.instruments.stopwatch import Stopwatch
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import encode_stopwatch
 from kapitsa_ros.nodes.instrument import InstrumentStage
 from kapitsa_ros.nodes.parameters import declare, declare_settings, settings_text
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import encode_stopwatch
 
 if TYPE_CHECKING:
     from numpy.random import Generator

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros.instruments.settings import StrobeSettings
 from kapitsa_ros.instruments.strobe import Strobe
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import encode_strobe
 from kapitsa_ros.nodes.instrument import InstrumentStage
 from kapitsa_ros.nodes.parameters import declare_settings, settings_text
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import encode_strobe
 
 if TYPE_CHECKING:
     from numpy.random import Generator

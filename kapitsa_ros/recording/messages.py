@@ -17,12 +17,12 @@ from rosbags.typesys import Stores, get_typestore
 from kapitsa_ros.instruments.operator import Command
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.wire import Block, decode_block, encode_block, encode_silence, is_silence, read_tick
 from kapitsa_ros.physics.errors import PivotError
 from kapitsa_ros.physics.samples import Samples
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.errors import WireError
+from kapitsa_ros.recording.wire import Block, decode_block, encode_block, encode_silence, is_silence, read_tick
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -170,7 +170,7 @@ def decode_stopwatch(raw: bytes) -> StopwatchReading | None:
 
 
 def _seconds(stamp: Any, tick: Tick) -> float:
-    return (stamp.sec * SECOND + stamp.nanosec - tick.run * DAY) / SECOND
+    return float((stamp.sec * SECOND + stamp.nanosec - tick.run * DAY) / SECOND)
 
 
 def encode_result(stamp_ns: int, tick: Tick, statuses: Mapping[str, Mapping[str, Any]]) -> bytes:
@@ -180,7 +180,13 @@ def encode_result(stamp_ns: int, tick: Tick, statuses: Mapping[str, Mapping[str,
         topics.RESULT.type,
         _header(stamp_ns, tick),
         [
-            status(level=0, name=name, message='', hardware_id='', values=[value(key, json.dumps(item)) for key, item in pairs.items()])
+            status(
+                level=0,
+                name=name,
+                message='',
+                hardware_id='',
+                values=[value(key, json.dumps(item)) for key, item in pairs.items()],
+            )
             for name, pairs in statuses.items()
         ],
     )

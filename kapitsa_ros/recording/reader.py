@@ -11,7 +11,6 @@ import numpy as np
 from rosbags.rosbag2 import Reader, ReaderError
 
 from kapitsa_ros.analysis.run import SETTINGS_OF, Run, RunBuilder
-from kapitsa_ros.physics.samples import Samples
 from kapitsa_ros.physics.steps import SECOND
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.errors import BagError, WireError
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from kapitsa_ros.physics.samples import Samples
     from kapitsa_ros.physics.steps import Tick
 
 _NEEDED = (topics.COMMAND, topics.STROBE, topics.STOPWATCH)
@@ -86,7 +86,9 @@ class RunBag:
         """
         try:
             with Reader(self.path) as reader:
-                wanted = [connection for connection in reader.connections if connection.topic.removeprefix('/') in names]
+                wanted = [
+                    connection for connection in reader.connections if connection.topic.removeprefix('/') in names
+                ]
                 for connection, stamp, data in reader.messages(wanted):
                     yield connection.topic.removeprefix('/'), stamp, bytes(data)
         except (ReaderError, OSError, ValueError, MemoryError) as error:

@@ -18,12 +18,18 @@ class Topic:
     readers: tuple[str, ...]
 
 
-COMMAND = Topic('operator/command', 'sensor_msgs/msg/JointState', 'operator', ('jigsaw', 'pendulum', 'analyser', 'recorder'))
+COMMAND = Topic(
+    'operator/command', 'sensor_msgs/msg/JointState', 'operator', ('jigsaw', 'pendulum', 'analyser', 'recorder')
+)
 PIVOT = Topic('jigsaw/pivot', 'trajectory_msgs/msg/JointTrajectory', 'jigsaw', ('pendulum', 'strobe', 'recorder'))
 MOTION = Topic('pendulum/motion', 'trajectory_msgs/msg/JointTrajectory', 'pendulum', ('stopwatch', 'recorder'))
 STROBE = Topic('strobe/reading', 'sensor_msgs/msg/JointState', 'strobe', ('operator', 'analyser', 'recorder'))
-STOPWATCH = Topic('stopwatch/reading', 'sensor_msgs/msg/TimeReference', 'stopwatch', ('operator', 'analyser', 'recorder'))
-RESULT = Topic('analyser/result', 'diagnostic_msgs/msg/DiagnosticArray', 'analyser', ('jigsaw', 'recorder', 'player'))
+STOPWATCH = Topic(
+    'stopwatch/reading', 'sensor_msgs/msg/TimeReference', 'stopwatch', ('operator', 'analyser', 'recorder')
+)
+RESULT = Topic(
+    'analyser/result', 'diagnostic_msgs/msg/DiagnosticArray', 'analyser', ('jigsaw', 'recorder', 'player', 'observer')
+)
 WRITTEN = Topic('recorder/written', 'std_msgs/msg/Header', 'recorder', ('jigsaw',))
 
 RECORDED = (COMMAND, PIVOT, MOTION, STROBE, STOPWATCH, RESULT)

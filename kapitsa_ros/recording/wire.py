@@ -1,7 +1,7 @@
 """Messages of the numbered topics as bytes.
 
 All their types begin with a header, whose `frame_id` holds the number of the step; so the number can be read without
-knowing the type. A motion block is encoded from arrays: as Python objects its hundred points cost a hundred times as much.
+knowing the type. A motion block is encoded from arrays: as Python objects its points cost a hundred times as much.
 The layout is little-endian CDR, as rclpy publishes it; the tests hold one against the other.
 """
 
@@ -34,7 +34,17 @@ _EMPTY_BODY = {
 # that length closes the gap after time_from_start.
 _POINT = np.dtype(
     {
-        'names': ['position', 'n_rate', 'rate', 'n_acceleration', 'acceleration', 'n_effort', 'sec', 'nanosec', 'n_next'],
+        'names': [
+            'position',
+            'n_rate',
+            'rate',
+            'n_acceleration',
+            'acceleration',
+            'n_effort',
+            'sec',
+            'nanosec',
+            'n_next',
+        ],
         'formats': ['<f8', '<u4', '<f8', '<u4', '<f8', '<u4', '<i4', '<u4', '<u4'],
         'offsets': [0, 8, 16, 24, 32, 40, 44, 48, 52],
         'itemsize': 56,
@@ -95,7 +105,7 @@ def is_silence(kind: str, raw: bytes) -> bool:
     """Whether a message of a type says nothing but its number."""
     (length,) = _LENGTH.unpack_from(raw, _TICK_AT - _LENGTH.size)
     head = _TICK_AT + length
-    return len(raw) <= head + _aligned(head, 4) + len(_EMPTY_BODY[kind])
+    return bool(len(raw) <= head + _aligned(head, 4) + len(_EMPTY_BODY[kind]))
 
 
 def encode_block(stamp_ns: int, tick: Tick, block: Block) -> bytes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
-from rosbags.rosbag2 import CompressionMode, CompressionFormat, StoragePlugin, Writer, WriterError
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.recording.errors import BagError
@@ -69,7 +69,9 @@ class RunWriter:
             self._writer.open()
         except (WriterError, OSError) as error:
             raise BagError(f'cannot write {path}: {error}') from error
-        self._latched = {node: self._connect(settings_topic(node), SETTINGS_TYPE, _LATCHED) for node in sorted(settings)}
+        self._latched = {
+            node: self._connect(settings_topic(node), SETTINGS_TYPE, _LATCHED) for node in sorted(settings)
+        }
         self._connections = {topic.name: self._connect(topic.name, topic.type, _STREAM) for topic in RECORDED}
 
     def write_step(self, stamp_ns: int, messages: Mapping[str, bytes]) -> None:
@@ -117,5 +119,3 @@ class RunWriter:
             storage.bio.flush()  # type: ignore[union-attr]
         else:
             storage.conn.commit()  # type: ignore[union-attr]
-
-

@@ -33,15 +33,13 @@ class Cluster:
             self._client = Client(address, timeout=_PATIENCE)
         except (OSError, ValueError) as error:
             raise RigError(f'no Dask scheduler answers at {address} ({error})') from error
+        self.count = sum(self._client.nthreads().values())
+        """How many experiments are under way at once."""
         if not self.count:
             raise RigError(f'the Dask scheduler at {address} has no workers: start one')
 
-    @property
-    def count(self) -> int:
-        """How many experiments are under way at once."""
-        return sum(self._client.nthreads().values())
-
     def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
         """Apply a function to many seeds; outcomes come in the order of the seeds."""
-        for future in self._client.map(function, list(seeds), pure=False):
-            yield future.result()
+        with self._client:
+            for future in self._client.map(function, list(seeds), pure=False):
+                yield future.result()

@@ -47,7 +47,9 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     protocol = setup.carried_out()
     for speed in protocol.speeds:
         if speed > MAX_SPEED:
-            raise UsageError(f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most')
+            raise UsageError(
+                f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
+            )
     refuse_existing(setup.bags, protocol.speeds)
     _make_writable(setup.bags)
     seen = _watch(setup.roles, parameters(setup), on_progress)
@@ -68,9 +70,10 @@ def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> di
     """
     bags = [RunBag(path) for path in paths]
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
-    seen = _watch(REPLAY_ROLES, replay_parameters(paths, rate), on_progress)
+    seen: Observer = _watch(REPLAY_ROLES, replay_parameters(paths, rate), on_progress)
     runs = [recorded_values(bag) | values for bag, values in zip(bags, seen.runs, strict=True)]
-    return {'runs': runs} | seen.experiment | {'realtime_factor': float(seen.progress['realtime_factor'])}
+    values: dict[str, Any] = {'runs': runs} | seen.experiment
+    return values | {'realtime_factor': float(seen.progress['realtime_factor'])}
 
 
 def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) -> Observer:
@@ -78,7 +81,7 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
     with no_dead_segments(), reserved_domain() as domain:
         with on_loopback():
             observer = Observer(domain, on_progress)
-        with observer as seen, Nodes(roles, told, domain) as nodes:
+        with observer as seen, Nodes(roles, told | {'expect': [*told['expect'], 'observer']}, domain) as nodes:
             while not nodes.wait(WATCH_PERIOD):
                 pass
             seen.wait_for_end()
@@ -89,6 +92,8 @@ def _make_writable(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f'--bags {folder}: cannot be made ({error.strerror}); give a folder you can write to') from error
+        raise UsageError(
+            f'--bags {folder}: cannot be made ({error.strerror}); give a folder you can write to'
+        ) from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise UsageError(f'--bags {folder}: cannot be written; give a folder you can write to')

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 
-class _Quantity(click.ParamType):
+class _Quantity(click.ParamType):  # type: ignore[type-arg]
     def __init__(self, name: str, parse: Callable[[str | float], float], example: str) -> None:
         self.name = name
         self._parse = parse
@@ -63,8 +63,12 @@ def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
         return command(*args, plant=load_preset(preset, _given(overrides)), **kwargs)
 
     for name, kind, text in reversed(_PLANT_OPTIONS):
-        with_plant = click.option(f'--{name.replace("_", "-")}', name, type=kind, help=f'{text} (overrides the preset)')(with_plant)
-    return click.option('--preset', type=click.Choice(PRESETS), default='ideal', show_default=True, help='the plant')(with_plant)
+        with_plant = click.option(
+            f'--{name.replace("_", "-")}', name, type=kind, help=f'{text} (overrides the preset)'
+        )(with_plant)
+    return click.option('--preset', type=click.Choice(PRESETS), default='ideal', show_default=True, help='the plant')(
+        with_plant
+    )
 
 
 def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:

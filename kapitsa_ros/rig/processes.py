@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 from collections import deque
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import RigError
@@ -118,7 +118,7 @@ class Nodes:
             self.stop()
             raise
 
-    def __enter__(self) -> Nodes:
+    def __enter__(self) -> Self:
         """Start is over already."""
         return self
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.instruments.protocol import Protocol, load_protocol
 from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.recording.topics import ROLES
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 REPLAY_ROLES = ('player', 'analyser')
 
@@ -49,6 +52,6 @@ def parameters(setup: Setup) -> dict[str, Any]:
     }
 
 
-def replay_parameters(bags: list[Path], rate: float) -> dict[str, Any]:
+def replay_parameters(bags: Sequence[Path], rate: float) -> dict[str, Any]:
     """Return the parameters of player and analyser."""
     return {'expect': list(REPLAY_ROLES), 'bags': [str(bag) for bag in bags], 'rate': float(rate)}

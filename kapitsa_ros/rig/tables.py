@@ -22,7 +22,8 @@ class _Table(click.ParamType):  # type: ignore[type-arg]
             return value
         path = Path(value)
         shipped = share_path('config', 'tables', f'{path.stem}.csv')
-        return read_table(shipped if not path.exists() and path.name in (shipped.stem, shipped.name) else path)
+        named = path.parent == Path() and not path.exists() and shipped.is_file()
+        return read_table(shipped if named else path)
 
 
 def table_argument(command: Callable[..., Any]) -> Callable[..., Any]:

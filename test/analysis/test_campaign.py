@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.campaign import Outcome, perform, perform_all, summarise
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError, RunError
 from kapitsa_ros.analysis.reduction import inverse
 from kapitsa_ros.analysis.virtual import VirtualExperiment
@@ -127,3 +127,13 @@ def test_thousand_intervals_hold_the_truth_as_often_as_they_say():
     summary = summarise(list(perform_all(experiment(), 1000)), TRUTH, 1.0, 2)
     assert 0.93 <= summary.coverage <= 0.97
     assert summary.failed == 0
+
+
+def test_worn_pivot_has_a_lower_threshold_and_the_interval_knows():
+    worn = load_preset('as_built_1997')
+    assert true_threshold(worn) == pytest.approx(
+        omega_crit_exact(worn) / (1 + 2 / np.pi * worn.clearance / worn.amplitude), rel=1e-3
+    )
+    assert true_threshold(IDEAL) == TRUTH
+    outcomes = list(perform_all(experiment(worn), 24))
+    assert sum(outcome.covers(true_threshold(worn)) for outcome in outcomes) >= 20

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.explain import CAUSES, explain
 from kapitsa_ros.analysis.explain.timing import timed_period
 from kapitsa_ros.analysis.table import Readings, read_table
@@ -116,3 +117,8 @@ def test_timed_period_is_that_of_the_nonlinear_map():
         assert timed_period(IDEAL, speed) == pytest.approx(truth, rel=1e-5)
     assert np.isnan(timed_period(IDEAL, 1200 * RPM))  # it falls
     assert np.isnan(timed_period(PlantParameters(coulomb=20.0), 2500 * RPM))  # it stops
+
+
+def test_one_speed_is_explained_by_anything():
+    with pytest.raises(TableError, match='two speeds'):
+        explain(Readings(SPEEDS[:1], np.array([0.9]), np.zeros(1), np.array([0.05])), IDEAL)

@@ -109,7 +109,8 @@ def test_a_crash_costs_at_most_a_chunk(tmp_path: Path) -> None:
     script = (
         'import os, signal, sys; sys.path.insert(0, sys.argv[2]); from pathlib import Path; import test_bags as t\n'
         'writer = t.RunWriter(Path(sys.argv[1]), "mcap", t.SETTINGS, 5)\n'
-        'for step in range(12): writer.write_step(t.CLOCK.start_ns(t.Tick(1, step)), t.step_messages(t.Tick(1, step)))\n'
+        'for tick in [t.Tick(1, step) for step in range(12)]:\n'
+        '    writer.write_step(t.CLOCK.start_ns(tick), t.step_messages(tick))\n'
         'os.kill(os.getpid(), signal.SIGKILL)'
     )
     subprocess.run([sys.executable, '-c', script, str(path), str(Path(__file__).parent)], check=False)

@@ -71,7 +71,7 @@ def exact(message: JointTrajectory) -> bytes:
         except WireError:
             continue
         return raw[: len(raw) - spare]
-    raise AssertionError('no prefix of rclpy\'s bytes is a message')
+    raise AssertionError("no prefix of rclpy's bytes is a message")
 
 
 @pytest.mark.parametrize('kind', sorted({topic.type for topic in (*topics.RECORDED, topics.WRITTEN)}))
@@ -117,7 +117,10 @@ def test_readings_come_back_to_the_nanosecond(time: float, value: float, swings:
 
 
 def test_results_come_back_digit_for_digit() -> None:
-    values = {'run 1': {'period_s': 0.1 + 0.2, 'fell': False, 'slow_rpm': None}, 'experiment': {'truth_rpm': 1354.8036386090832}}
+    values = {
+        'run 1': {'period_s': 0.1 + 0.2, 'fell': False, 'slow_rpm': None},
+        'experiment': {'truth_rpm': 1354.8036386090832},
+    }
     assert m.decode_result(m.encode_result(STAMP, Tick(1, 5, end=True), values)) == values
 
 

@@ -52,7 +52,10 @@ def test_keys_are_those_of_the_contract(recorded: Recorded) -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes_on_a_busy_machine(
-    kapitsa: Kapitsa, recorded: Recorded, tmp_path: Path, busy: None  # noqa: ARG001
+    kapitsa: Kapitsa,
+    recorded: Recorded,
+    tmp_path: Path,
+    busy: None,  # noqa: ARG001
 ) -> None:
     again = kapitsa('experiment', '--preset', 'ideal', '--seed', 1, '--bags', tmp_path / 'B', '--json').json
     assert comparable(again) == comparable(recorded[1])

@@ -51,7 +51,13 @@ def test_one_line_and_status_2(kapitsa: Kapitsa, arguments: list[str], words: li
 def test_a_speed_the_jigsaw_cannot_do(kapitsa: Kapitsa, tmp_path: Path) -> None:
     protocol = tmp_path / 'fast.yaml'
     protocol.write_text('speeds: [2240, 60000]')
-    one_line(kapitsa('experiment', '--protocol', protocol, '--bags', tmp_path / 'A'), 2, '60000 RPM', '5000 RPM', '--protocol')
+    one_line(
+        kapitsa('experiment', '--protocol', protocol, '--bags', tmp_path / 'A'),
+        2,
+        '60000 RPM',
+        '5000 RPM',
+        '--protocol',
+    )
     assert not (tmp_path / 'A').exists()
 
 

@@ -30,6 +30,7 @@ from kapitsa_ros.rig.segments import dead_segments, remove_dead_segments
 Kapitsa = Callable[..., Any]
 Recorded = tuple[Path, dict[str, Any]]
 PATIENCE = 60.0
+pytestmark = pytest.mark.xdist_group('processes')
 
 
 @pytest.fixture
@@ -75,6 +76,16 @@ def children(pid: int) -> list[int]:
     return found
 
 
+def permanently_dead() -> set[str]:
+    """Return the segments without an owner that stay; other rigs on this machine come and go."""
+    dead = dead_segments()
+    deadline = time.monotonic() + 15
+    while dead and time.monotonic() < deadline:
+        time.sleep(0.2)
+        dead &= dead_segments()
+    return dead
+
+
 def role_of(pid: int) -> str:
     command = Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
     return command[command.index(b'kapitsa_ros.nodes') + 1].decode()
@@ -109,7 +120,7 @@ def test_dds_ports_are_open_on_loopback_alone(domain: int, observer: Observer, t
             match[1]
             for role in ROLES
             for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir()
-            if (match := re.match(r'socket:\[(\d+)\]', os.readlink(link)))
+            if (match := re.match(r'socket:\[(\d+)\]', str(link.readlink())))
         }
         rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
         bound = [row[1].split(':') for row in rows if row[9] in inodes]
@@ -222,7 +233,7 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
     assert out == ''
     assert [line for line in err.splitlines() if line] == [f'kapitsa: error: {role} was killed by SIGKILL']
     assert not [pid for pid in nodes.values() if Path(f'/proc/{pid}').exists()]
-    assert not dead_segments()
+    assert not permanently_dead()
     # A bag that is left does not pretend to be whole.
     for bag in (tmp_path / 'A').glob('*/metadata.yaml'):
         assert "complete: 'false'" in bag.read_text()
@@ -231,13 +242,14 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
 def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
     with Nodes(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
         assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)
-        assert not dead_segments()
+        before = dead_segments()
         nodes['pendulum'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='pendulum was killed'):
             nodes.wait(PATIENCE)
-        assert dead_segments()
+        left = dead_segments() - before
+        assert left
         remove_dead_segments()
-        assert not dead_segments()
+        assert not left & dead_segments()
 
 
 def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
@@ -294,10 +306,11 @@ def test_a_second_node_of_a_role_is_refused(domain: int, observer: Observer, tmp
     """Both of two rigs started by hand in one domain see it; the one that runs goes on."""
     with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
-        with Nodes(['pendulum'], parameters(setup_of(tmp_path)), domain) as second:
-            with pytest.raises(RigError, match=r'2 nodes write pendulum/motion .* ROS_DOMAIN_ID|joined late'):
-                while not second.wait(1.0):
-                    pass
+        with (
+            Nodes(['pendulum'], parameters(setup_of(tmp_path)), domain) as second,
+            pytest.raises(RigError, match=r'2 nodes write pendulum/motion .* ROS_DOMAIN_ID|joined late'),
+        ):
+            carry_out(second)
         before = observer.progress
         assert observer.wait_for_progress(PATIENCE) != before
         assert all(nodes[role].status() is None for role in ROLES)
@@ -305,5 +318,8 @@ def test_a_second_node_of_a_role_is_refused(domain: int, observer: Observer, tmp
 
 def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:
     (tmp_path / 'A').write_text('a file where a folder should be')
-    with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes, pytest.raises(RigError, match='recorder .*cannot write'):
+    with (
+        Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
+        pytest.raises(RigError, match=r'recorder .*cannot write'),
+    ):
         carry_out(nodes)

@@ -42,3 +42,9 @@ def test_runs_that_contradict_are_refused(tmp_path):
 
 def test_other_rods_have_other_predictions():
     assert json.loads(run('--amplitude', '0.375in', '--json'))['predicted_rpm'] == pytest.approx(1804.08, abs=0.01)
+
+
+def test_missing_file_is_named_as_it_was_given():
+    error = CliRunner().invoke(reduce, ['/nowhere/1997.csv']).exception
+    assert isinstance(error, TableError)
+    assert str(error).startswith('/nowhere/1997.csv')

@@ -8,7 +8,8 @@ pytest.importorskip('matplotlib')
 pytest.importorskip('jinja2')
 
 from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of
-from kapitsa_ros.analysis.report import RecordedRun, gather, render
+from kapitsa_ros.analysis.recorded import RecordedRun
+from kapitsa_ros.analysis.report import gather, render
 from kapitsa_ros.analysis.table import read_table
 from kapitsa_ros.physics.steps import SECOND
 from kapitsa_ros.recording.errors import BagError

@@ -3,5 +3,18 @@
 from kapitsa_ros.analysis.critical.direct import CriticalSpeed, direct_fit
 from kapitsa_ros.analysis.critical.errors_in_variables import LineFit, errors_in_variables
 from kapitsa_ros.analysis.critical.evidence import Bound, Evidence, Ruler, evidence_of
+from kapitsa_ros.analysis.critical.from_motion import evidence_from_motion
+from kapitsa_ros.analysis.critical.truth import true_threshold
 
-__all__ = ['Bound', 'CriticalSpeed', 'Evidence', 'LineFit', 'Ruler', 'direct_fit', 'errors_in_variables', 'evidence_of']
+__all__ = [
+    'Bound',
+    'CriticalSpeed',
+    'Evidence',
+    'LineFit',
+    'Ruler',
+    'direct_fit',
+    'errors_in_variables',
+    'evidence_from_motion',
+    'evidence_of',
+    'true_threshold',
+]

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.run import Run
-    from kapitsa_ros.physics.parameters import PlantParameters
 
 _Kind = TypeVar('_Kind', StrobeSettings, StopwatchSettings)
 
@@ -126,11 +125,6 @@ def unmask(reading: float, asked: float, strobe: StrobeSettings) -> float:
     ratio = min(ratios, key=lambda ratio: abs(math.log(reading / (float(ratio) * asked))))
     speed = reading / float(ratio)
     return speed if abs(speed / asked - 1.0) <= _ALIAS else reading
-
-
-def ruler_for(plant: PlantParameters) -> Ruler:
-    """Return the ruler's word on a plant whose stroke was measured."""
-    return Ruler(amplitude=plant.amplitude)
 
 
 def _settings(run: Run, name: str, kind: type[_Kind]) -> _Kind:

@@ -12,6 +12,7 @@ from scipy.stats import chi2
 
 from kapitsa_ros.analysis.critical.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.explain.causes import CAUSES
+from kapitsa_ros.analysis.table import require_two_speeds
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -59,7 +60,15 @@ class Verdict:
 
 
 def explain(readings: Readings, plant: PlantParameters, causes: Sequence[Cause] = CAUSES) -> Verdict:
-    """Fit every cause alone and rank them by Akaike's information criterion, χ² + 2 for each parameter tuned."""
+    """Fit every cause alone and rank them by Akaike's information criterion, χ² + 2 for each parameter tuned.
+
+    Raises
+    ------
+    TableError
+        Fewer than two different speeds: any cause fits one.
+
+    """
+    require_two_speeds(readings)
     fitted = [_fit(cause, readings, plant) for cause in causes]
     criteria = np.array([fit.chi_squared + 2.0 * cause.tuned for fit, cause in zip(fitted, causes, strict=True)])
     weights = np.exp(-0.5 * (criteria - criteria.min()))

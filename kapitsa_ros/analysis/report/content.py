@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kapitsa_ros.analysis.campaign import Cores, perform_all, summarise
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, errors_in_variables, evidence_of
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, errors_in_variables, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
@@ -19,45 +17,21 @@ from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.parameters import PRESETS, PlantParameters, load_preset
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
-from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-    from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.campaign import Campaign
     from kapitsa_ros.analysis.critical import Evidence
     from kapitsa_ros.analysis.explain import Verdict
     from kapitsa_ros.analysis.plan import Plan, Separation
-    from kapitsa_ros.analysis.run import Run
+    from kapitsa_ros.analysis.recorded import RecordedRun
     from kapitsa_ros.analysis.table import Readings
 
 EXPERIMENTS = 40
 """Virtual experiments for each preset."""
 
 TARGET_PERCENT = 1.0
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RecordedRun:
-    """A run and the motion that was recorded of it."""
-
-    name: str
-    run: Run
-    time: NDArray[np.float64]
-    """Seconds of the run, shape (N,)."""
-    angle: NDArray[np.float64]
-    """θ, rad, shape (N,)."""
-
-    def free_swing(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return time since the last release and the angle from there on."""
-        still = np.flatnonzero(np.abs(np.diff(self.angle)) <= 0.0)
-        begin = int(still[-1]) + 1 if still.size else 0
-        if begin >= self.angle.size - 2:  # friction stopped it at last: the whole record serves
-            moving = np.flatnonzero(np.abs(np.diff(self.angle)) > 0.0)
-            begin = int(moving[0]) if moving.size else 0
-        return self.time[begin:] - self.time[begin], self.angle[begin:]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -145,7 +119,7 @@ def _estimates(evidence: Evidence, nominal: PlantParameters, theirs: Readings) -
 
 def _truth(plant: PlantParameters) -> float | None:
     try:
-        return omega_crit_exact(plant)
+        return true_threshold(plant)
     except PhysicsError:
         return None
 
@@ -155,7 +129,7 @@ def _trial(preset: str, experiments: int) -> PresetTrial:
     experiment = VirtualExperiment(
         plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
-    truth = omega_crit_exact(plant)
+    truth = true_threshold(plant)
     campaign = summarise(list(perform_all(experiment, experiments)), truth, 1.0, Cores.count)
     return PresetTrial(preset=preset, truth=truth, campaign=campaign)
 

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from kapitsa_ros.analysis.report.content import Estimate, RecordedRun
+    from kapitsa_ros.analysis.recorded import RecordedRun
+    from kapitsa_ros.analysis.report.content import Estimate
     from kapitsa_ros.analysis.table import Readings
 
 _SHOWN = 5.0  # s of Figure 4

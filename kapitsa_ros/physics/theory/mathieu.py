@@ -6,12 +6,14 @@ With z = ωt/2 and θ = e^(−ct/2) w the linear equation is w″ + (a − 2q co
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from scipy.optimize import newton
 
 from kapitsa_ros.physics.kernels.mathieu import half_period
+
+Quantity = TypeVar('Quantity', float, 'NDArray[np.float64]')
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +33,7 @@ def mathieu_q(plant: PlantParameters) -> float:
     return 2.0 * plant.k * plant.amplitude
 
 
-def boundary_perturbed(q: float) -> float:
+def boundary_perturbed(q: Quantity) -> Quantity:
     """Return the lower edge a = −q²/2 for small q (report, eq. 7)."""
     return -0.5 * q * q
 

@@ -10,10 +10,10 @@ from rich.console import Console
 from rich.progress import track
 
 from kapitsa_ros.analysis.campaign import Cores, perform_all, summarise
+from kapitsa_ros.analysis.critical import true_threshold
 from kapitsa_ros.analysis.virtual import VirtualExperiment
 from kapitsa_ros.instruments.protocol import load_protocol
 from kapitsa_ros.instruments.settings import load_instruments
-from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.rig.cluster import Cluster
 from kapitsa_ros.rig.options import instrument_options, json_option, plant_options, print_json
 from kapitsa_ros.units import RPM
@@ -41,12 +41,12 @@ def campaign(
     begin = time.perf_counter()
     stream = perform_all(experiment, experiments, workers)
     outcomes = list(track(stream, 'experiments', experiments, console=Console(stderr=True), transient=True))
-    found = summarise(outcomes, omega_crit_exact(plant), time.perf_counter() - begin, workers.count)
+    found = summarise(outcomes, true_threshold(plant), time.perf_counter() - begin, workers.count)
     if as_json:
         print_json(_values(found))
         return
     median, low, high = (speed / RPM for speed in found.omega_crit)
-    truth = omega_crit_exact(plant) / RPM
+    truth = true_threshold(plant) / RPM
     click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {found.wall:.1f} s')
     click.echo(f'omega_crit          {median:.1f} RPM (16 to 84 %: {low:.1f} to {high:.1f}); truth {truth:.1f}')
     click.echo(

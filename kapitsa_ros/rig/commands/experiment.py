@@ -20,20 +20,38 @@ if TYPE_CHECKING:
 @plant_options
 @instrument_options
 @click.option('--seed', type=click.IntRange(0, 2**63 - 1), default=1, show_default=True, help='of all chance')
-@click.option('--bags', type=click.Path(path_type=Path), default=Path('runs'), show_default=True, help='folder for the runs')
+@click.option(
+    '--bags', type=click.Path(path_type=Path), default=Path('runs'), show_default=True, help='folder for the runs'
+)
 @click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
-@click.option('--rate', type=click.FloatRange(0, 1e4), default=0.0, show_default=True, help='simulated over wall seconds; 0: as fast as it can')
+@click.option(
+    '--rate',
+    type=click.FloatRange(0, 1e4),
+    default=0.0,
+    show_default=True,
+    help='simulated over wall seconds; 0: as fast as it can',
+)
 @click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
 @json_option
-def experiment(  # noqa: PLR0913
-    *, plant: PlantParameters, instruments: str, seed: int, bags: Path, protocol: str, rate: float, storage: str, as_json: bool
+def experiment(
+    *,
+    plant: PlantParameters,
+    instruments: str,
+    seed: int,
+    bags: Path,
+    protocol: str,
+    rate: float,
+    storage: str,
+    as_json: bool,
 ) -> None:
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.rig.experiment import run_experiment  # noqa: PLC0415  # rclpy takes its time
     from kapitsa_ros.rig.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
-    setup = Setup(plant=plant, instruments=instruments, protocol=protocol, seed=seed, rate=rate, bags=bags, storage=storage)
+    setup = Setup(
+        plant=plant, instruments=instruments, protocol=protocol, seed=seed, rate=rate, bags=bags, storage=storage
+    )
     with shown_progress(len(setup.carried_out().speeds)) as on_progress:
         values = run_experiment(setup, on_progress)
     if as_json:
@@ -42,4 +60,6 @@ def experiment(  # noqa: PLR0913
     console = Console()
     for table in report_tables(values, plant):
         console.print(table)
-    console.print(f'{len(values["runs"])} runs below {bags}; {values["realtime_factor"]:.0f} times real time', highlight=False)
+    console.print(
+        f'{len(values["runs"])} runs below {bags}; {values["realtime_factor"]:.0f} times real time', highlight=False
+    )

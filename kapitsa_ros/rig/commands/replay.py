@@ -12,7 +12,13 @@ from kapitsa_ros.rig.options import json_option, print_json
 
 @click.command()
 @click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option('--rate', type=click.FloatRange(0, 1e4), default=0.0, show_default=True, help='simulated over wall seconds; 0: as fast as it can')
+@click.option(
+    '--rate',
+    type=click.FloatRange(0, 1e4),
+    default=0.0,
+    show_default=True,
+    help='simulated over wall seconds; 0: as fast as it can',
+)
 @json_option
 def replay(*, bags: tuple[Path, ...], rate: float, as_json: bool) -> None:
     """Play recorded runs through the graph; the analyser there analyses them as they come."""

@@ -20,7 +20,8 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
         import matplotlib as mpl  # noqa: F401, PLC0415
     except ImportError as error:
         raise RigError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
-    from kapitsa_ros.analysis.report import RecordedRun, gather, render  # noqa: PLC0415
+    from kapitsa_ros.analysis.recorded import RecordedRun  # noqa: PLC0415
+    from kapitsa_ros.analysis.report import gather, render  # noqa: PLC0415
     from kapitsa_ros.analysis.table import read_table  # noqa: PLC0415
     from kapitsa_ros.physics.steps import SECOND  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415

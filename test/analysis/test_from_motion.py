@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_from_motion
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.recorded import RecordedRun
+from kapitsa_ros.analysis.run import Run
+from kapitsa_ros.physics.parameters import PlantParameters, load_preset
+from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
+from kapitsa_ros.units import RPM
+
+NOMINAL = PlantParameters()
+
+
+def recorded(plant, rpm, duration=6.0, held=0.5):
+    motion = Release(plant=plant, speed=rpm * RPM, angle=0.12).sampled(duration, 1000.0)
+    run = Run(number=1, settings={}, speed_asked=rpm * RPM, release=0.12, speeds=(), timings=(), complete=True)
+    angle = np.concatenate((np.full(round(held * 1000), 0.12), motion.angle))
+    return RecordedRun(name='run', run=run, time=np.arange(angle.size) * 1e-3, angle=angle)
+
+
+def test_motion_of_an_ideal_plant_gives_its_threshold():
+    evidence = evidence_from_motion([recorded(NOMINAL, rpm) for rpm in (1800, 2240, 2780)], NOMINAL)
+    small = [2 * np.pi / slow_frequency_exact(NOMINAL, speed) for speed in evidence.timed.forcing]
+    assert evidence.timed.period == pytest.approx(small, rel=1e-4)
+    fit = direct_fit(evidence, Ruler(amplitude=NOMINAL.amplitude))
+    assert fit.omega_crit / RPM == pytest.approx(1354.80, rel=1e-3)
+
+
+def test_friction_hardly_moves_it():
+    plant = load_preset('bearing')
+    evidence = evidence_from_motion([recorded(plant, rpm) for rpm in (1800, 2240, 2780)], NOMINAL)
+    fit = direct_fit(evidence, Ruler(amplitude=NOMINAL.amplitude))
+    assert fit.omega_crit == pytest.approx(omega_crit_exact(plant), rel=2e-3)
+
+
+def test_swing_begins_at_the_release_and_ends_where_friction_stops_it():
+    stopped = recorded(PlantParameters(coulomb=3.0), 2500)
+    time, angle = stopped.free_swing()
+    assert (time[0], angle[0]) == (0, 0.12)
+    living = stopped.living_swing()
+    assert abs(living.angle[-1]) > 0.02
+    assert living.angle.size < angle.size
+
+
+def test_no_runs_tell_nothing():
+    with pytest.raises(AnalysisError, match='no run'):
+        evidence_from_motion([], NOMINAL)

@@ -1,0 +1,75 @@
+"""An installed prefix is one that `ros2 run` understands: index marker, share, executables with their mode."""
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from ament_index_python.packages import get_package_prefix, get_packages_with_prefixes
+
+ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player'}
+CHECKOUT = Path(__file__).parents[1]
+
+
+@pytest.fixture(scope='module')
+def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Install the package as `pip install .` does, into a prefix of its own; dependencies are here already."""
+    prefix = tmp_path_factory.mktemp('prefix')
+    command = [sys.executable, '-m', 'pip', 'install', '--quiet', '--no-deps', '--no-build-isolation', '--prefix', str(prefix)]
+    source = tmp_path_factory.mktemp('source') / 'kapitsa_ros'
+    subprocess.run(['git', 'clone', '--quiet', str(CHECKOUT), str(source)], check=True)
+    subprocess.run([*command, '--disable-pip-version-check', '--ignore-installed', str(source)], check=True)
+    return prefix
+
+
+@pytest.fixture
+def index(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Let the ament index look there."""
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(prefix))
+    return prefix
+
+
+def test_the_index_knows_the_package(index: Path) -> None:
+    assert get_packages_with_prefixes()['kapitsa_ros'] == str(index)
+
+
+def test_executables_are_where_ros2_run_looks(index: Path) -> None:
+    folder = Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros'
+    files = [path for path in folder.iterdir() if os.access(path, os.X_OK)]
+    assert {path.name for path in files} == ROLES
+    assert (index / 'bin' / 'kapitsa').is_file()
+
+
+def test_share_holds_what_launch_and_params_need(index: Path) -> None:
+    share = index / 'share' / 'kapitsa_ros'
+    for name in ('package.xml', 'config/presets/as_built_1997.yaml', 'config/instruments/1997.yaml', 'config/loopback.xml'):
+        assert (share / name).is_file()
+
+
+@pytest.mark.parametrize('role', ['jigsaw', 'analyser'])
+def test_an_installed_executable_runs_the_node(index: Path, role: str) -> None:
+    """Started as `ros2 run` starts it, from the installed files: it waits for its peers, and leaves on Ctrl-C."""
+    library = next(index.glob('lib/python*/site-packages'))
+    process = subprocess.Popen(
+        [index / 'lib' / 'kapitsa_ros' / role, '--ros-args', '-p', 'expect:=[jigsaw, operator, strobe, analyser]'],
+        env=os.environ
+        | {
+            'PYTHONPATH': str(library),
+            'PATH': f'{Path(sys.executable).parent}:{os.environ["PATH"]}',
+            'ROS_DOMAIN_ID': '98',
+            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        },
+        cwd=index,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert process.stderr is not None
+        assert next(line for line in process.stderr if 'waiting for' in line)
+    finally:
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=20)
+    assert process.returncode == 0
+    assert 'Traceback' not in err
