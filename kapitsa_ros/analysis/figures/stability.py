@@ -35,7 +35,9 @@ def _draw_chart(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     axes.fill_between(q, lower, upper, color=BLUE, alpha=0.15, label='stable')
     axes.plot(q, lower, color=BLUE, label='a₀(q), exact')
     axes.plot(q, upper, color=BLUE, linestyle=':', label='b₁(q), exact')
-    axes.plot(q, theory.boundary_perturbed(q), color=GREY, linestyle='--', label='a = −q²/2 (eq. 7)')
+    axes.plot(
+        q, [theory.boundary_perturbed(one) for one in q.tolist()], color=GREY, linestyle='--', label='a = −q²/2 (eq. 7)'
+    )
     points = [theory.mathieu_a(plant, speed) for speed in speeds]
     axes.plot([theory.mathieu_q(plant)] * len(points), points, 'o', color=ORANGE, markersize=4, label='the runs')
     axes.axhline(0.0, color=INK, linewidth=0.6)

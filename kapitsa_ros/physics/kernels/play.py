@@ -45,9 +45,9 @@ def expand_gap(
     gap: NDArray[np.float64],
 ) -> None:
     """Settle whether the hole rests on the pin as a piece begins, and fill `gap` with the series of its offset."""
-    gap[:] = 0.0
     if state[CLEARANCE] == 0.0:
         return
+    gap[:] = 0.0
     if state[CONTACT] != IN_FLIGHT and state[CONTACT] * load[0] > 0.0:
         state[CONTACT] = IN_FLIGHT
     gap[0] = state[GAP]

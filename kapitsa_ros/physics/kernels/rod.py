@@ -90,13 +90,14 @@ def _advance_freely(
     """Carry the state over a whole interval without friction and play: no event but the stop."""
     angle = work[0]
     _expand_angle(load, 0.0, step, plant, state, work)
-    if _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
-        _lie_down(state, plant)
-        return
-    travel, pace = 0.0, 0.0
+    travel, pace, reach = 0.0, 0.0, abs(angle[0])
     for n in range(angle.size - 1, 0, -1):
         travel += angle[n]
         pace += n * angle[n]
+        reach += abs(angle[n])
+    if reach >= plant[STOP] and _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
+        _lie_down(state, plant)
+        return
     state[ANGLE] += travel
     state[RATE] = pace / step
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.kernels.jit import kernel
-from kapitsa_ros.physics.kernels.series import shift, value_and_slope
+from kapitsa_ros.physics.kernels.series import BINOMIAL, shift, value, value_and_slope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,18 +44,18 @@ def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
         return NEVER
     if polynomial[lead] <= 0.0:
         return 0.0
-    scaled = polynomial[lead:].copy()
+    room = np.empty((2, polynomial.size - lead))
+    scaled = room[0]
     power = 1.0
-    for n in range(1, scaled.size):
+    for n in range(scaled.size):
+        scaled[n] = power * polynomial[lead + n]
         power *= end
-        scaled[n] *= power
-    return end * _first_in_unit(scaled)
+    return end * _first_in_unit(scaled, room[1])
 
 
 @kernel
-def _first_in_unit(polynomial: NDArray[np.float64]) -> float:
+def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64]) -> float:
     start, width = 0.0, 1.0
-    local = np.empty(polynomial.size)
     while start < 1.0:
         local[:] = polynomial
         changes = _sign_changes(local, start, width)
@@ -77,18 +77,19 @@ def _sign_changes(local: NDArray[np.float64], start: float, width: float) -> int
         shift(local, start)
     scale = 1.0
     for n in range(1, degree + 1):
-        scale *= width * n / (degree - n + 1)
-        local[n] *= scale
-    for row in range(1, degree + 1):
-        for n in range(degree, row - 1, -1):
-            local[n] += local[n - 1]
+        scale *= width
+        local[n] *= scale / BINOMIAL[degree, n]
     changes = 0
     negative = local[0] < 0.0
-    for n in range(1, degree + 1):
-        if local[n] != 0.0 and (local[n] < 0.0) != negative:
+    weight = local[0]
+    for row in range(1, degree + 1):
+        weight = 0.0
+        for n in range(row + 1):
+            weight += BINOMIAL[row, n] * local[n]
+        if weight != 0.0 and (weight < 0.0) != negative:
             changes += 1
             negative = not negative
-    if local[degree] == 0.0 and not negative:
+    if weight == 0.0 and not negative:
         changes += 1
     return changes
 
@@ -96,7 +97,8 @@ def _sign_changes(local: NDArray[np.float64], start: float, width: float) -> int
 @kernel
 def _refine(polynomial: NDArray[np.float64], low: float, high: float) -> float:
     """Newton's method kept inside a bracket that bisection would halve."""
-    at = 0.5 * (low + high)
+    above, below = value(polynomial, low), value(polynomial, high)
+    at = low + (high - low) * above / (above - below) if above > 0.0 >= below else 0.5 * (low + high)
     for _ in range(100):
         height, slope = value_and_slope(polynomial, at)
         if height > 0.0:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MAX_ORDER = 32
+BINOMIAL = np.array([[float(math.comb(n, k)) for k in range(MAX_ORDER + 1)] for n in range(MAX_ORDER + 1)])
 RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, MAX_ORDER + 3)])
 
 
@@ -53,11 +54,23 @@ def expand(
     slope[1] = angle[1]
     angle[2] = 0.5 * (drive[0] * sine[0] - friction - damping * angle[1])
     for n in range(1, angle.size - 2):
+        # Every other term goes to a sum of its own: a sum waits for its last addition, two run side by side.
         rising, falling, torque = 0.0, 0.0, 0.0
-        for j in range(1, n + 1):
+        rising_too, falling_too, torque_too = 0.0, 0.0, 0.0
+        for j in range(1, n, 2):
             rising += slope[j] * cosine[n - j]
             falling += slope[j] * sine[n - j]
             torque += drive[j] * sine[n - j]
+            rising_too += slope[j + 1] * cosine[n - j - 1]
+            falling_too += slope[j + 1] * sine[n - j - 1]
+            torque_too += drive[j + 1] * sine[n - j - 1]
+        if n % 2 == 1:
+            rising += slope[n] * cosine[0]
+            falling += slope[n] * sine[0]
+            torque += drive[n] * sine[0]
+        rising += rising_too
+        falling += falling_too
+        torque += torque_too
         sine[n] = angle[n] if linear else rising * RECIPROCAL[n]
         cosine[n] = -falling * RECIPROCAL[n]
         torque += drive[0] * sine[n]
@@ -83,8 +96,9 @@ def value_and_slope(series: NDArray[np.float64], at: float) -> tuple[float, floa
 
 @kernel
 def shift(series: NDArray[np.float64], by: float) -> None:
-    """Re-centre a polynomial at τ = `by`, in place (repeated synthetic division: exact but for rounding)."""
-    last = series.size - 1
-    for start in range(last):
-        for n in range(last - 1, start - 1, -1):
-            series[n] += by * series[n + 1]
+    """Re-centre a polynomial at τ = `by`, in place: each coefficient is its own Horner's rule over those above it."""
+    for k in range(series.size):
+        total = 0.0
+        for n in range(series.size - 1, k - 1, -1):
+            total = total * by + BINOMIAL[n, k] * series[n]
+        series[k] = total
