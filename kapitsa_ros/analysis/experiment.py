@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.errors import RunError, TableError
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of, true_threshold
+from kapitsa_ros.analysis.errors import AnalysisError, RunError, TableError
 from kapitsa_ros.analysis.reduction import inverse, ordinary
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
-from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kapitsa_ros.analysis.critical import CriticalSpeed
     from kapitsa_ros.analysis.reduction import Line
     from kapitsa_ros.analysis.run import Run
     from kapitsa_ros.physics.parameters import PlantParameters
@@ -26,9 +27,9 @@ class Experiment:
     """What several runs together say of the critical speed; speeds in rad/s, None where there is no value."""
 
     omega_crit: float | None
-    """The best estimate: the inverse fit."""
-    interval: tuple[float, float] | None
-    """95 % interval of `omega_crit`."""
+    """The best estimate: the exact curve fitted to all that was read."""
+    interval: tuple[float | None, float | None] | None
+    """95 % interval of `omega_crit`; an end that is None is unbounded."""
     inverse: float | None
     ordinary: float | None
     predicted: float
@@ -64,20 +65,27 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
     if any(run.plant != plant for run in runs):
         raise RunError('the runs are of different plants: analyse each plant on its own')
     readings = readings_of(runs)
-    backward = _fit(inverse, readings)
+    best = _best(runs, plant)
     return Experiment(
-        omega_crit=backward,
-        interval=None,
-        inverse=backward,
+        omega_crit=None if best is None else best.omega_crit,
+        interval=None if best is None else best.interval,
+        inverse=_fit(inverse, readings),
         ordinary=_fit(ordinary, readings),
         predicted=omega_crit_averaged(ideal_rod(plant)),
-        truth=omega_crit_exact(plant),
+        truth=true_threshold(plant),
     )
 
 
 def ideal_rod(plant: PlantParameters) -> PlantParameters:
     """Return the rod the report's theory speaks of: same length, stroke and gravity, nothing else."""
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
+
+
+def _best(runs: Sequence[Run], plant: PlantParameters) -> CriticalSpeed | None:
+    try:
+        return direct_fit(evidence_of(runs), Ruler(amplitude=plant.amplitude), plant.gravity)
+    except AnalysisError:
+        return None  # no run gave readings
 
 
 def _fit(fit: Callable[[Readings], Line], readings: Readings) -> float | None:

@@ -26,7 +26,7 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
     interval = experiment.interval
     return {
         'omega_crit_rpm': _rpm(experiment.omega_crit),
-        'omega_crit_interval_rpm': None if interval is None else [end / RPM for end in interval],
+        'omega_crit_interval_rpm': None if interval is None else [_rpm(end) for end in interval],
         'inverse_rpm': _rpm(experiment.inverse),
         'ols_rpm': _rpm(experiment.ordinary),
         'predicted_rpm': experiment.predicted / RPM,

@@ -9,8 +9,6 @@ from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.analysis.run import Run, RunBuilder
 from kapitsa_ros.nodes.settings import SettingsInbox
 from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage, ends_session
-from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
 from kapitsa_ros.recording.wire import stamp_of
@@ -23,8 +21,6 @@ class AnalyserNode(JoinedStage):
     """Executable `analyser`. Its result for a step acknowledges that step."""
 
     def __init__(self) -> None:
-        # Kernels take a third of a second to load: better now, before others count on this node.
-        omega_crit_exact(PlantParameters())
         super().__init__(
             'analyser',
             reads=(topics.STROBE, topics.STOPWATCH, topics.COMMAND),
@@ -51,13 +47,13 @@ class AnalyserNode(JoinedStage):
         self.emit_silence(topics.RESULT, tick, stamp_of(messages[topics.STROBE.name]))
 
     def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
-        """Say what the run came to, and all runs so far together."""
+        """Say what the run came to; at the end of the session, what all runs came to together."""
         if ends_session(tick):
-            super().end_run(tick, stamp_ns, messages)
-            return
-        run = self._builder.build(complete=True)
-        self._runs.append(run)
-        results = {f'run {run.number}': run_values(run), 'experiment': experiment_values(reduce_runs(self._runs))}
+            results = {'experiment': experiment_values(reduce_runs(self._runs))} if self._runs else {}
+        else:
+            run = self._builder.build(complete=True)
+            self._runs.append(run)
+            results = {f'run {run.number}': run_values(run)}
         self.emit(topics.RESULT, encode_result(stamp_ns, tick, results))
 
 

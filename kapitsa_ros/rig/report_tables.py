@@ -62,7 +62,11 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
         table.add_row(label, _number((fitted[key] or 0) / RPM, '.1f', ' RPM'), _number(values[key], '.1f', ' RPM'))
     table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))
     error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
-    table.add_row('error', f'{error:.1f} %', _number(values['error_percent'], '.1f', ' %'))
+    ours = None if values['inverse_rpm'] is None else 100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1)
+    table.add_row('error', f'{error:.1f} %', _number(ours, '.1f', ' %'))
+    table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
+    low, high = values['omega_crit_interval_rpm'] or (None, None)
+    table.add_row('its 95 % interval', '', f'{_end(low)} to {_end(high)} RPM')
     table.add_row('exact threshold of the plant simulated', '', _number(values['truth_rpm'], '.2f', ' RPM'))
     return table
 
@@ -72,6 +76,10 @@ def _table(title: str, *columns: str) -> Table:
     for column in columns:
         table.add_column(column, justify='right' if column else 'left')
     return table
+
+
+def _end(rpm: float | None) -> str:
+    return 'unbounded' if rpm is None else f'{rpm:.0f}'
 
 
 def _number(value: float | None, form: str, unit: str = '') -> str:

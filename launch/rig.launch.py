@@ -1,0 +1,48 @@
+"""The laboratory: seven nodes that carry out a protocol and record it."""
+
+from pathlib import Path
+
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
+
+from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
+from kapitsa_ros.physics.parameters import PRESETS, load_preset
+from kapitsa_ros.rig.roster import Setup, parameters
+
+ARGUMENTS = {
+    'preset': ('ideal', 'the plant', list(PRESETS)),
+    'instruments': ('1997', 'how readings err', list(INSTRUMENT_SETS)),
+    'protocol': ('1997', 'name of a shipped protocol, or a YAML file', None),
+    'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
+    'seed': ('1', 'of all chance', None),
+    'bags': ('runs', 'folder in which each run gets a bag', None),
+}
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """Start the roles of the roster with what the arguments say."""
+    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    setup = Setup(
+        plant=load_preset(said['preset']),
+        instruments=said['instruments'],
+        protocol=said['protocol'],
+        rate=float(said['rate']),
+        seed=int(said['seed']),
+        bags=Path(said['bags']),
+    )
+    told = parameters(setup)
+    return [
+        Node(package='kapitsa_ros', executable=role, name=role, parameters=[told], output='screen')
+        for role in setup.roles
+    ]
+
+
+def generate_launch_description() -> LaunchDescription:
+    """Declare the arguments and start the nodes."""
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
+        for name, (default, text, choices) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
