@@ -38,12 +38,17 @@ class Claim:
         print(json.dumps({**asdict(self), 'ratio': self.ratio}), flush=True)
 
 
-def cpu(work: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Return the median CPU time of some work, all threads counted, s; it is done once before, unmeasured."""
-    work()
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
+def cpu(*works: Callable[[], object]) -> list[float]:
+    """Return the median CPU times of some works, all threads counted, s.
+
+    They take turns, so that what else the machine does falls on all alike; each is done once before, unmeasured.
+    """
+    times: list[list[float]] = [[] for _ in works]
+    for work in works:
         work()
-        times.append(time.process_time() - start)
-    return statistics.median(times)
+    for _ in range(REPEATS):
+        for work, record in zip(works, times, strict=True):
+            start = time.process_time()
+            work()
+            record.append(time.process_time() - start)
+    return [statistics.median(record) for record in times]

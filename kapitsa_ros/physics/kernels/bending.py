@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.cosine import fill_load, fill_rhythm
+from kapitsa_ros.physics.kernels.cosine import at_phase, fill_load, fill_rhythm
 from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
@@ -58,7 +58,8 @@ def advance_bending(
     for sample in range(1, motion.shape[1]):
         if abs(state[0]) < stop:
             for i in range((sample - 1) * stride, sample * stride):
-                fill_load(i * turns, start, rhythm, step * step * rod[GRAVITY], load)
+                cosine, sine = at_phase(i * turns, start)
+                fill_load(cosine, sine, rhythm, step * step * rod[GRAVITY], load)
                 angle[0], angle[1], bend[0], bend[1] = state[0], step * state[1], state[2], step * state[3]
                 _expand(load, step, rod, work)
                 state[0], state[1] = _end(angle, step)

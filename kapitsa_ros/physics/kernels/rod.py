@@ -63,7 +63,7 @@ def advance_interval(
     plant, state
         As `layout` has them; `state` is changed in place.
     work
-        Shape (WORK_ROWS, order + 1): room for series.
+        Shape (WORK_ROWS, order + 1): room for the series of θ, sin θ, cos θ, θ̇, drive, gap and load.
 
     Returns
     -------
