@@ -42,5 +42,8 @@ bags: setup
 	rm -rf bags/run_*
 	$(BIN)/kapitsa experiment --preset as_built_1997 --seed 1997 --bags bags
 
+bench: setup
+	$(BIN)/python benchmarks/run_all.py
+
 clean:
 	rm -rf .venv .venv-oldest runs build install log

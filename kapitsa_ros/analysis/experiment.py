@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_of, true_threshold
+from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError, RunError, TableError
 from kapitsa_ros.analysis.reduction import inverse, ordinary
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
@@ -16,7 +16,8 @@ from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical import CriticalSpeed
+    from kapitsa_ros.analysis.critical import Evidence
+    from kapitsa_ros.analysis.recorded import RecordedRun
     from kapitsa_ros.analysis.reduction import Line
     from kapitsa_ros.analysis.run import Run
     from kapitsa_ros.physics.parameters import PlantParameters
@@ -59,13 +60,51 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
         There are no runs, or they are of different plants.
 
     """
+    plant = plant_of(runs)
+    return _reduce(plant, readings_of(runs), lambda: evidence_of(runs))
+
+
+def reduce_motions(recorded: Sequence[RecordedRun]) -> tuple[Experiment, Readings]:
+    """Reduce what was recorded of the motion instead of what was read; also return the periods found there.
+
+    Raises
+    ------
+    AnalysisError
+        There are no runs, they are of different plants, or none shows a swing.
+
+    """
+    plant = plant_of([each.run for each in recorded])
+    evidence = evidence_from_motion(recorded, ideal_rod(plant))
+    return _reduce(plant, evidence.timed, lambda: evidence), evidence.timed
+
+
+def plant_of(runs: Sequence[Run]) -> PlantParameters:
+    """Return the plant of all runs.
+
+    Raises
+    ------
+    RunError
+        There are no runs, or they are of different plants.
+
+    """
     if not runs:
         raise RunError('no runs: give one bag or more')
     plant = runs[0].plant
     if any(run.plant != plant for run in runs):
         raise RunError('the runs are of different plants: analyse each plant on its own')
-    readings = readings_of(runs)
-    best = _best(runs, plant)
+    return plant
+
+
+def ideal_rod(plant: PlantParameters) -> PlantParameters:
+    """Return the rod the report's theory speaks of: same length, stroke and gravity, nothing else."""
+    return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
+
+
+def _reduce(plant: PlantParameters, readings: Readings, evidence: Callable[[], Evidence]) -> Experiment:
+    try:
+        best = direct_fit(evidence(), Ruler(amplitude=plant.amplitude), plant.gravity)
+    except AnalysisError:
+        best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
@@ -74,18 +113,6 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
         predicted=omega_crit_averaged(ideal_rod(plant)),
         truth=true_threshold(plant),
     )
-
-
-def ideal_rod(plant: PlantParameters) -> PlantParameters:
-    """Return the rod the report's theory speaks of: same length, stroke and gravity, nothing else."""
-    return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
-
-
-def _best(runs: Sequence[Run], plant: PlantParameters) -> CriticalSpeed | None:
-    try:
-        return direct_fit(evidence_of(runs), Ruler(amplitude=plant.amplitude), plant.gravity)
-    except AnalysisError:
-        return None  # no run gave readings
 
 
 def _fit(fit: Callable[[Readings], Line], readings: Readings) -> float | None:

@@ -34,6 +34,8 @@ _PLANT = {
     'clearance': ('D: diametral play of the pivot hole, m', 0.0, 1.0),
     'restitution': ('e: restitution of impacts within the play', 0.0, 1.0),
     'inertia_factor': ('kappa: k = kappa 3/(2L); 1 is the ideal rod', TINY, 1e3),
+    'wear': ('growth of the clearance, m per J/kg that impacts lose', 0.0, 1.0),
+    'failure_clearance': ('play at which the hole has worn through, m', TINY, 1.0),
 }
 
 

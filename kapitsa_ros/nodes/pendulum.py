@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,8 +34,9 @@ class PendulumNode(JoinedStage):
         super().__init__(
             'pendulum', reads=(topics.PIVOT, topics.COMMAND), writes=(topics.MOTION,), follows=(topics.COMMAND,)
         )
+        # The stroke is the jigsaw's; all else of the plant is here.
         self._plant = declare_plant(
-            self, 'length', 'gravity', 'damping', 'coulomb', 'clearance', 'restitution', 'inertia_factor'
+            self, *(field.name for field in fields(PlantParameters) if field.name != 'amplitude')
         )
         self._pendulum = Pendulum(self._plant)
         self._view = self.create_publisher(JointState, 'joint_states', VIEW)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from rosbags.rosbag2 import Reader, ReaderError
 
+from kapitsa_ros.analysis.recorded import RecordedRun
 from kapitsa_ros.analysis.run import SETTINGS_OF, Run, RunBuilder
 from kapitsa_ros.physics.steps import SECOND
 from kapitsa_ros.recording import topics
@@ -165,6 +166,12 @@ class RunBag:
         gaps = periods[periods > period]
         lost = float((gaps - period).sum()) / SECOND
         return Motion(joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps.size, lost)
+
+    @property
+    def recorded(self) -> RecordedRun:
+        """The run together with its motion."""
+        seconds = (self.motion.stamps_ns - self.motion.stamps_ns[:1]) / SECOND
+        return RecordedRun(name=self.path.name, run=self.run, time=seconds, angle=self.motion.angle)
 
     def pivot(self) -> Iterator[tuple[Tick, Samples]]:
         """Yield the pivot's motion step by step."""

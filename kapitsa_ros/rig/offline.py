@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.recording.reader import RunBag
 
@@ -27,6 +27,31 @@ def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
     bags = [RunBag(path) for path in paths]
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
     return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags]))
+
+
+def analyse_motions(paths: Sequence[Path]) -> dict[str, Any]:
+    """Analyse recorded runs from the motion of the pendulum: what better instruments would have given.
+
+    Raises
+    ------
+    BagError
+        A path is no run.
+    AnalysisError
+        The runs do not belong together, or one shows no swing.
+
+    """
+    bags = [RunBag(path) for path in paths]
+    experiment, found = reduce_motions([bag.recorded for bag in bags])
+    periods = iter(found.period)
+    runs = []
+    for bag in bags:
+        period = None if bag.run.fell else float(next(periods))
+        runs.append(
+            recorded_values(bag)
+            | run_values(bag.run)
+            | {'period_s': period, 'slow_rpm': None if period is None else 60.0 / period}
+        )
+    return {'runs': runs} | experiment_values(experiment)
 
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:

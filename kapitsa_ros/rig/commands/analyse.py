@@ -12,14 +12,15 @@ from kapitsa_ros.rig.options import json_option, print_json
 
 @click.command()
 @click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option('--blind/--motion', default=True, show_default=True, help='from the readings, or from θ(t)')
 @json_option
-def analyse(*, bags: tuple[Path, ...], as_json: bool) -> None:
+def analyse(*, bags: tuple[Path, ...], blind: bool, as_json: bool) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
-    from kapitsa_ros.rig.offline import analyse_bags  # noqa: PLC0415
+    from kapitsa_ros.rig.offline import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
-    values = analyse_bags(bags)
+    values = analyse_bags(bags) if blind else analyse_motions(bags)
     if as_json:
         print_json(values)
         return

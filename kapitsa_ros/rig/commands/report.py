@@ -20,19 +20,13 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
         import matplotlib as mpl  # noqa: F401, PLC0415
     except ImportError as error:
         raise RigError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
-    from kapitsa_ros.analysis.recorded import RecordedRun  # noqa: PLC0415
     from kapitsa_ros.analysis.report import gather, render  # noqa: PLC0415
     from kapitsa_ros.analysis.table import read_table  # noqa: PLC0415
-    from kapitsa_ros.physics.steps import SECOND  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.rig.options import print_json  # noqa: PLC0415
     from kapitsa_ros.share import share_path  # noqa: PLC0415
 
-    runs = []
-    for bag in (RunBag(path) for path in bags):
-        motion = bag.motion
-        seconds = (motion.stamps_ns - motion.stamps_ns[:1]) / SECOND
-        runs.append(RecordedRun(name=bag.path.name, run=bag.run, time=seconds, angle=motion.angle))
+    runs = [RunBag(path).recorded for path in bags]
     page = render(gather(runs, read_table(share_path('config', 'tables', '1997.csv'))))
     output.write_text(page, encoding='utf-8')
     if as_json:
