@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from launch import LaunchContext, LaunchDescription
 from launch.actions import DeclareLaunchArgument, OpaqueFunction
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -10,6 +9,7 @@ from launch_ros.actions import Node
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
 from kapitsa_ros.rig.roster import Setup, parameters
+from launch import LaunchContext, LaunchDescription
 
 ARGUMENTS = {
     'preset': ('ideal', 'the plant', list(PRESETS)),
