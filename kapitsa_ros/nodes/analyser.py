@@ -46,7 +46,7 @@ class AnalyserNode(JoinedStage):
         )
         self.emit_silence(topics.RESULT, tick, stamp_of(messages[topics.STROBE.name]))
 
-    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
+    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
         """Say what the run came to; at the end of the session, what all runs came to together."""
         if ends_session(tick):
             results = {'experiment': experiment_values(reduce_runs(self._runs))} if self._runs else {}
