@@ -40,6 +40,13 @@ def test_sampled_and_strobed_runs_agree_at_any_phase():
     assert fine.angle[-1] == pytest.approx(orbit.angle[-1], abs=1e-12)
 
 
+def test_a_minute_ends_in_the_same_place_however_it_is_sampled():
+    """Whether samples are locked to the shaft (1 kHz has 24 in a turn) or not, rounding must not add up."""
+    release = Release(plant=IDEAL, speed=SPEED, angle=0.12)
+    ends = [release.sampled(60.0, rate).angle[-1] for rate in (1 / 60, 100.0, 1000.0, 1024.0, 3000.0)]
+    assert np.ptp(ends) < 2e-12
+
+
 def test_the_frictionless_amplitude_does_not_drift():
     entry = ENTRIES['drift_exact']
     release = Release(plant=plant_of(entry['params']), speed=speed_of(entry['params']), angle=entry['params']['theta0'])

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ORDER = 16
-EXACT_PHASE = 8  # steps: between, the phase is turned on, which costs less than two library calls
 TOO_THICK = -1.0
 
 
@@ -61,17 +60,12 @@ def advance_cosine(
     rhythm = np.empty(ORDER - 1)
     fill_rhythm(amplitude, speed, step, turns, rhythm)
     weight = plant[GRAVITY] * step * step
-    step_cosine, step_sine = at_phase(turns, 0.0)
-    cosine, sine = 1.0, 0.0
     motion[0, 0] = state[ANGLE]
     motion[1, 0] = state[RATE]
     left_out = 0.0
     for sample in range(1, motion.shape[1]):
         for i in range((sample - 1) * stride, sample * stride):
-            if i % EXACT_PHASE == 0:
-                cosine, sine = at_phase(i * turns, start)
-            else:
-                cosine, sine = cosine * step_cosine - sine * step_sine, sine * step_cosine + cosine * step_sine
+            cosine, sine = at_phase(i * turns, start)
             fill_load(cosine, sine, rhythm, weight, load)
             if not advance_interval(load, 0.0, step, plant, state, work):
                 return TOO_THICK
