@@ -33,6 +33,7 @@ CORE = [
 REPORT = [
     'jinja2>=3.1',
     'matplotlib>=3.6',
+    'pyarrow>=14',
 ]
 CAMPAIGN = [
     'distributed>=2024.1',
