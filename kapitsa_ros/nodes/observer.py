@@ -97,7 +97,7 @@ class Observer:
     def _spin(self) -> None:
         try:
             while self._context.ok():
-                self._executor.spin_once(timeout_sec=1.0)
+                self._executor.spin_once(timeout_sec=0.2)
         except ExternalShutdownException:
             pass
 

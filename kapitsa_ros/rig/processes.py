@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from types import TracebackType
 
-GRACE = 3.0
+GRACE = 2.0
 """Seconds between asking a node to end and ending it."""
 LAST_LINES = 20
 

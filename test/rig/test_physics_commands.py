@@ -7,7 +7,6 @@ from click.testing import CliRunner
 from kapitsa_ros.physics.errors import ParameterError
 from kapitsa_ros.rig.commands.figures import figures
 from kapitsa_ros.rig.commands.simulate import simulate
-from kapitsa_ros.rig.commands.study import study
 from kapitsa_ros.rig.commands.theory import theory
 from kapitsa_ros.rig.errors import UsageError
 
@@ -119,8 +118,8 @@ def test_simulate_refuses(arguments, error):
     assert isinstance(CliRunner().invoke(simulate, [*RUN, *arguments]).exception, error)
 
 
-def test_study():
-    values = answer(study, '--duration', '3', '--cycles', '1000')['verdicts']
+def test_study(kapitsa):
+    values = kapitsa('study', '--duration', '3', '--cycles', '1000', '--json').json['verdicts']
     assert values[-1]['solver'] == 'ours, 1000 cycles'
     assert abs(values[-1]['growth']) < 1e-9
 

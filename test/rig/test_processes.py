@@ -62,6 +62,14 @@ def carry_out(nodes: Nodes) -> None:
         assert time.monotonic() < deadline, 'the session did not end'
 
 
+def eventually(true: Callable[[], bool]) -> None:
+    """Wait for something that discovery, in its own time, makes true."""
+    deadline = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 def children(pid: int) -> list[int]:
     """Return the processes a process has started."""
     found = []
@@ -99,7 +107,7 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, 
     try:
         with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
             observer.wait_for_progress(PATIENCE)
-            assert set(ROLES) <= set(spectator.get_node_names())
+            eventually(lambda: set(ROLES) <= set(spectator.get_node_names()))
             seen = dict(spectator.get_topic_names_and_types())
             for topic in (*RECORDED, WRITTEN):
                 assert seen[f'/{topic.name}'] == [topic.type]
