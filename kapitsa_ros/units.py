@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,12 @@ if TYPE_CHECKING:
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
+
+
+_WRITTEN = re.compile(
+    r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>[a-zµ°]+(?:/[a-z]+)?)?\s*',
+    re.IGNORECASE,
+)
 
 
 @cache
@@ -25,17 +32,20 @@ def _registry() -> pint.UnitRegistry[float]:
 
 
 def _parse(text: str | float, si: str, bare: float) -> float:
-    try:
-        return float(text) * bare
-    except ValueError:
-        pass
+    if isinstance(text, bool) or not isinstance(text, int | float | str):
+        raise ValueError(f'{text!r} is not a number with a unit that converts to {si}')  # noqa: TRY004
+    match = _WRITTEN.fullmatch(str(text))
+    if match is None:
+        raise ValueError(f'{text!r} is not a number with a unit that converts to {si}')
+    if not match['unit']:
+        return float(match['number']) * bare
     import pint  # noqa: PLC0415
 
     try:
-        value = float(_registry().Quantity(text).to(si).magnitude)
+        # Pint gets the unit alone: it would evaluate whatever else stood there.
+        return float(match['number']) * float(_registry().Quantity(1.0, match['unit']).to(si).magnitude)
     except (pint.PintError, ValueError, TypeError, AttributeError, AssertionError) as error:
         raise ValueError(f'{text!r} is not a number with a unit that converts to {si}') from error
-    return value
 
 
 def parse_length(text: str | float) -> float:

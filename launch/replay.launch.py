@@ -2,10 +2,11 @@
 
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.roster import REPLAY_ROLES, replay_parameters
 from launch import LaunchContext, LaunchDescription
 
@@ -29,6 +30,7 @@ def generate_launch_description() -> LaunchDescription:
             DeclareLaunchArgument(
                 'rate', default_value='1.0', description='simulated over wall seconds; 0: as fast as it can'
             ),
+            *(SetEnvironmentVariable(name, value) for name, value in loopback().items()),
             OpaqueFunction(function=nodes),
         ]
     )

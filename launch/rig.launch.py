@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
+from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.roster import Setup, parameters
 from launch import LaunchContext, LaunchDescription
 
@@ -45,4 +46,5 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
         for name, (default, text, choices) in ARGUMENTS.items()
     ]
-    return LaunchDescription([*declared, OpaqueFunction(function=nodes)])
+    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 PATIENCE = 120.0
 """Seconds of simulated time after which the operator gives up on a reading and ends the run."""
+SWING = 10.0
+"""Seconds more for each swing that is to be timed: slower ones nobody takes for a swing."""
 CATCH = 0.5
 """Seconds for which the pendulum is held between two timings."""
 FARTHER = 2.0
@@ -52,7 +54,7 @@ class Operator:
         self._release = protocol.release
         self._repeats = protocol.repeats
         self._speed = speed
-        self._patience = round(PATIENCE / step)
+        self._patience = round((PATIENCE + SWING * protocol.swings) / step)
         self._catch = max(1, round(CATCH / step))
         self._script = self._perform()
         self._seen: tuple[StrobeReading | None, StopwatchReading | None] = (None, None)

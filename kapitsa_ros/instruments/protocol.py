@@ -55,9 +55,12 @@ def load_protocol(name: str) -> Protocol:
     """
     shipped = share_path('config', 'protocols')
     path = shipped / f'{name}.yaml'
-    if not path.is_file():
-        path = Path(name)
-    if not path.is_file():
+    try:
+        path = path if path.is_file() else Path(name)
+        found = path.is_file()
+    except OSError:
+        found = False  # no name a file could have
+    if not found:
         known = ', '.join(sorted(file.stem for file in shipped.glob('*.yaml')))
         raise ProtocolError(f'no protocol {name!r}: give the path of a YAML file or one of {known}')
     try:

@@ -9,11 +9,15 @@ from importlib import import_module
 from pathlib import Path
 
 import rclpy
-from rclpy._rclpy_pybind11 import RCLError  # a params file that cannot be parsed has no public type
+from rclpy._rclpy_pybind11 import (  # a params file that cannot be parsed has no public type
+    RCLError,
+    UnknownROSArgsError,
+)
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
 from kapitsa_ros.nodes.errors import NodeError, SettingError
+from kapitsa_ros.recording.errors import BagError
 
 ROLES = ('jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player')
 
@@ -31,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
     except SettingError as error:
         print(f'{role}: error: {error}', file=sys.stderr)
         return 2
-    except (NodeError, ValueError, OSError) as error:
+    except (NodeError, BagError, ValueError, OSError) as error:
         print(f'{role}: error: {error}', file=sys.stderr)
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
@@ -47,13 +51,17 @@ def _start(arguments: list[str]) -> None:
             raise SettingError(f'--params-file {value}: there is no such file')
     try:
         rclpy.init(args=arguments)
-    except RCLError as error:
+    except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
 
 
 def _spin(role: str, arguments: list[str]) -> int:
     _start(arguments)
-    node = import_module(f'kapitsa_ros.nodes.{role}').create()
+    try:
+        node = import_module(f'kapitsa_ros.nodes.{role}').create()
+    except RCLError as error:
+        domain = os.environ.get('ROS_DOMAIN_ID', 'unset')
+        raise SettingError(f'no node can be made, ROS_DOMAIN_ID is {domain}: {str(error).splitlines()[0]}') from error
     executor = EventsExecutor()
     executor.add_node(node)
     try:

@@ -8,7 +8,8 @@ from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.analysis.run import Run, RunBuilder
 from kapitsa_ros.nodes.settings import SettingsInbox
-from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage, ends_session
+from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage
+from kapitsa_ros.physics.steps import ends_session
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
 from kapitsa_ros.recording.wire import stamp_of

@@ -17,20 +17,17 @@ from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import VIEW
-from kapitsa_ros.nodes.stage import IDLE, Stage, ends_session
-from kapitsa_ros.nodes.view import Throttle, to_time
+from kapitsa_ros.nodes.stage import IDLE, Stage
+from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
-from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
+from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command, encode_samples
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from kapitsa_ros.instruments.operator import Command
-
-REPORT_PERIOD = 0.5
-"""Seconds of wall time between two reports of progress."""
 
 
 class JigsawNode(Stage):

@@ -13,7 +13,8 @@ from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
 from kapitsa_ros.nodes.qos import STREAM, message_class
-from kapitsa_ros.nodes.stage import ends_session
+from kapitsa_ros.physics.steps import ends_session
+from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.messages import decode_result
 from kapitsa_ros.recording.topics import RESULT
 from kapitsa_ros.recording.wire import read_tick
@@ -21,6 +22,10 @@ from kapitsa_ros.recording.wire import read_tick
 if TYPE_CHECKING:
     from collections.abc import Callable
     from types import TracebackType
+
+
+PROGRESS = ('jigsaw: progress', 'player: progress')
+"""Names of the reports of those that own time; anybody may speak on `diagnostics`."""
 
 
 class Observer:
@@ -42,7 +47,7 @@ class Observer:
         """Results of each run, in order, as the analyser published them."""
         self.experiment: dict[str, Any] = {}
         """Results of all runs so far together."""
-        self._ended = threading.Event()
+        self._ended = False
         self._news = threading.Condition()
         self._on_progress = on_progress
         self._context = Context()
@@ -69,16 +74,22 @@ class Observer:
         self._node.destroy_node()
 
     def wait_for_end(self, timeout: float = 5.0) -> None:
-        """Wait until the analyser's last word has come.
+        """Wait until the last words of the analyser and of the owner of time have come.
 
         Raises
         ------
         TimeoutError
-            It did not.
+            They did not.
 
         """
-        if not self._ended.wait(timeout):
-            raise TimeoutError('the analyser did not say that the session is over')
+        with self._news:
+            if not self._news.wait_for(lambda: self.session_over and self._ended, timeout):
+                raise TimeoutError('the rig did not say that the session is over')
+
+    @property
+    def session_over(self) -> bool:
+        """Whether the owner of time has said that no run follows."""
+        return self.progress.get('session_over') == 'True'
 
     def wait_for_progress(self, timeout: float) -> dict[str, str]:
         """Wait for the next report of progress and return its values.
@@ -103,7 +114,7 @@ class Observer:
 
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name.endswith(': progress'):
+            if status.name in PROGRESS:
                 with self._news:
                     self.progress = {pair.key: pair.value for pair in status.values}
                     self._news.notify_all()
@@ -111,10 +122,16 @@ class Observer:
                     self._on_progress(self.progress)
 
     def _take_result(self, raw: bytes) -> None:
-        for name, values in decode_result(raw).items():
-            if name == 'experiment':
-                self.experiment = values
-            else:
-                self.runs.append(values)
-        if ends_session(read_tick(raw)):
-            self._ended.set()
+        try:
+            results = decode_result(raw)
+            tick = read_tick(raw)
+        except WireError:
+            return  # not the analyser's: it says nothing this cannot read
+        with self._news:
+            for name, values in results.items():
+                if name == 'experiment':
+                    self.experiment = values
+                else:
+                    self.runs.append(values)
+            self._ended = self._ended or ends_session(tick)
+            self._news.notify_all()

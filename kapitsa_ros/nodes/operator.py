@@ -9,8 +9,8 @@ from kapitsa_ros.instruments.operator import Command, Operator
 from kapitsa_ros.instruments.protocol import load_protocol
 from kapitsa_ros.nodes.errors import SettingError
 from kapitsa_ros.nodes.parameters import declare
-from kapitsa_ros.nodes.stage import JoinedStage, ends_session
-from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
+from kapitsa_ros.nodes.stage import JoinedStage
+from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_stopwatch, decode_strobe, encode_command
 

@@ -46,7 +46,7 @@ class Pace:
         self._last = time.monotonic()
         if self._first is None:
             self._first = self._last
-        elif abs(simulated - self._newest) < NEXT_RUN:
+        elif 0 < simulated - self._newest < NEXT_RUN:
             self.simulated += simulated - self._newest
         self._newest = simulated
 

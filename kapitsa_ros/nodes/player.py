@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,8 +14,9 @@ from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import LATCHED, message_class
-from kapitsa_ros.nodes.stage import DRAIN, IDLE, Stage, ends_session
-from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+from kapitsa_ros.nodes.stage import DRAIN, IDLE, Stage
+from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle
+from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
@@ -46,7 +48,9 @@ class PlayerNode(Stage):
             for node in self._bags[0].settings_texts
         }
         self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._report = Throttle(REPORT_PERIOD)
         self._under_way: deque[Tick] = deque()
+        self._playing = self._bags[0]
         self._steps = self._play()
         self._next = next(self._steps)
 
@@ -67,6 +71,8 @@ class PlayerNode(Stage):
             wait = self._pace.wait(stamp / SECOND)
             if wait > 0:
                 return wait
+            if tick.step == 0 and not tick.end:
+                self._latch(self._playing)
             for topic in topics.PLAYED:
                 if topic.name in messages:
                     self.emit(topic, messages[topic.name])
@@ -74,8 +80,9 @@ class PlayerNode(Stage):
                     self.emit_silence(topic, tick, stamp)
             self._under_way.append(tick)
             self._pace.count(stamp / SECOND)
-            if ends_session(tick):
+            if self._report.due() or tick.end:
                 self._reports.publish(progress_message('player', tick, stamp, self._pace))
+            if ends_session(tick):
                 self.finish()
             else:
                 self._next = next(self._steps)
@@ -84,18 +91,16 @@ class PlayerNode(Stage):
     def _play(self) -> Iterator[tuple[Tick, int, dict[str, bytes]]]:
         """Yield number, stamp and messages of every step of every bag; then the end of the session."""
         names = [topic.name for topic in topics.PLAYED]
-        tick = Tick(0, 0)
+        tick, stamp = Tick(0, 0), 0
         for bag in self._bags:
-            self._latch(bag)
-            messages: dict[str, bytes] = {}
-            for topic, stamp, raw in bag.raw(*names):
-                tick = read_tick(raw)
-                messages[topic] = raw
-                if len(messages) == len(names) - tick.end:
-                    yield tick, stamp, messages
-                    messages = {}
+            self._playing = bag
+            for tick, step in groupby(bag.raw(*names), key=lambda message: read_tick(message[2])):
+                messages = {}
+                for topic, stamp, raw in step:  # noqa: B007
+                    messages[topic] = raw
+                yield tick, stamp, messages
             if not tick.end:
-                yield Tick(tick.run, tick.step + 1, end=True), bag.last_stamp_ns, {}
+                yield Tick(tick.run, tick.step + 1, end=True), stamp, {}
         yield Tick(tick.run + 1, 0, end=True), (tick.run + 1) * DAY, {}
 
     def _latch(self, bag: RunBag) -> None:

@@ -8,6 +8,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
 from kapitsa_ros.nodes.view import to_time
+from kapitsa_ros.physics.steps import ends_session
 
 if TYPE_CHECKING:
     from kapitsa_ros.nodes.pace import Pace
@@ -22,6 +23,7 @@ def progress_message(node: str, tick: Tick, stamp_ns: int, pace: Pace) -> Diagno
         'simulated_s': pace.simulated,
         'realtime_factor': pace.realtime_factor,
         'deadline_misses': pace.misses,
+        'session_over': ends_session(tick),
     }
     status = DiagnosticStatus(
         level=DiagnosticStatus.OK,

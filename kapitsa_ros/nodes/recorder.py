@@ -47,24 +47,32 @@ class RecorderNode(JoinedStage):
                 self._writer = RunWriter(path, self._storage, self._settings.texts, self._steps_a_chunk)
             self._writer.write_step(stamp, messages)
         except BagError as error:
+            self._give_up()
             raise NodeError(str(error)) from error
         self.emit_silence(topics.WRITTEN, tick, stamp)
 
     def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
         """Write the end of the run and finish its bag."""
         if self._writer is not None:
-            writer, self._writer = self._writer, None
             try:
-                writer.write_step(stamp_ns, messages)
-                writer.close(complete=True)
+                self._writer.write_step(stamp_ns, messages)
+                self._writer.close(complete=True)
             except BagError as error:
+                self._give_up()
                 raise NodeError(str(error)) from error
+            self._writer = None
         super().end_run(tick, stamp_ns, messages)
 
     def close(self) -> None:
         """Finish a bag whose run did not come to its end: it can be read, and says so."""
         if self._writer is not None:
             self._writer.close(complete=False)
+
+    def _give_up(self) -> None:
+        """Leave a bag that the disk does not take as it is: without an index nobody takes it for whole."""
+        if self._writer is not None:
+            self._writer.abort()
+            self._writer = None
 
 
 create = RecorderNode

@@ -10,12 +10,12 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from kapitsa_ros.nodes.errors import NodeError
+from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.join import Join
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.peers import Peers
 from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
-from kapitsa_ros.physics.steps import DAY, SECOND, Tick
+from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
 from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
@@ -46,11 +46,16 @@ class Stage(Node):
     def __init__(self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...]) -> None:
         super().__init__(name)
         expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
-        self.expected = frozenset(expect)
+        self.expected = frozenset(expect or ())
+        unknown = self.expected - {*ROLES, 'player', 'observer'}
+        if unknown or not self.expected:
+            raise SettingError(f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLES)}')
         self.finished = False
         self._failure: Exception | None = None
         self._refused = 0
         self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
+        if reads and not self.reads:
+            raise SettingError(f'parameter expect: nobody there would write {reads[0].name}')
         self.writes = writes
         self._out = {
             topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes
@@ -123,15 +128,21 @@ class Stage(Node):
     def _taker(self, name: str) -> Callable[[bytes], None]:
         def take(raw: bytes) -> None:
             try:
-                if not self.accept(name, read_tick(raw), raw):
-                    self.refuse(f'a step of {name} that was there before')
-                elif self._peers.matched:
-                    self.advance()
+                fresh = self.accept(name, read_tick(raw), raw)
             except WireError as error:
                 self.refuse(f'{name}: {error}')
-            except (NodeError, ValueError, OSError) as error:
-                # An exception thrown through the executor would lose its type on the way.
+                return
+            except NodeError as error:
                 self._failure = error
+                return
+            if not fresh:
+                self.refuse(f'a step of {name} that was there before')
+            elif self._peers.matched:
+                try:
+                    self.advance()
+                except (NodeError, ValueError, OSError) as error:
+                    # An exception thrown through the executor would lose its type on the way.
+                    self._failure = error
 
         return take
 
@@ -181,11 +192,6 @@ class JoinedStage(Stage):
             else:
                 self.work(tick, messages)
         return IDLE
-
-
-def ends_session(tick: Tick) -> bool:
-    """Whether a number says that no run will follow: a run that ends before its first step."""
-    return tick.end and tick.step == 0
 
 
 def seconds_of_run(stamp_ns: int, tick: Tick) -> float:

@@ -12,6 +12,10 @@ PERIOD = 0.01
 """Seconds of wall time: a faster clock costs each of its readers a third of a core."""
 
 
+REPORT_PERIOD = 0.5
+"""Seconds of wall time between two reports of progress."""
+
+
 class Throttle:
     """Lets one through a period of wall time."""
 

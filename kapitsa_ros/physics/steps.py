@@ -50,6 +50,11 @@ class Tick:
         return self.run == last.run and self.step == last.step + 1
 
 
+def ends_session(tick: Tick) -> bool:
+    """Whether a number says that no run will follow: a run that ends before its first step."""
+    return tick.end and tick.step == 0
+
+
 @dataclass(frozen=True, slots=True)
 class StepClock:
     """Maps step numbers to simulated time."""

@@ -195,7 +195,10 @@ def encode_result(stamp_ns: int, tick: Tick, statuses: Mapping[str, Mapping[str,
 def decode_result(raw: bytes) -> dict[str, dict[str, Any]]:
     """Decode results."""
     message = _decode(topics.RESULT.type, raw)
-    return {status.name: {pair.key: json.loads(pair.value) for pair in status.values} for status in message.status}
+    try:
+        return {status.name: {pair.key: json.loads(pair.value) for pair in status.values} for status in message.status}
+    except json.JSONDecodeError as error:
+        raise WireError(f'a result is not JSON: {error}') from error
 
 
 def encode_text(text: str) -> bytes:

@@ -28,5 +28,9 @@ def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
     """
     for number, speed in enumerate(speeds, start=1):
         path = bags / run_name(number, speed)
-        if path.exists():
+        try:
+            there = path.exists()
+        except OSError as error:
+            raise BagError(f'--bags {bags}: cannot be looked into ({error.strerror}); give another folder') from error
+        if there:
             raise BagError(f'{path} exists: runs are never overwritten, give another --bags or move it away')

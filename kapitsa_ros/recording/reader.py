@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import sqlite3
+import struct
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import apsw
 import numpy as np
+from backports import zstd
 from rosbags.rosbag2 import Reader, ReaderError
 
 from kapitsa_ros.analysis.recorded import RecordedRun
@@ -25,6 +29,11 @@ if TYPE_CHECKING:
     from kapitsa_ros.physics.samples import Samples
     from kapitsa_ros.physics.steps import Tick
 
+_DAMAGE = (
+    ReaderError, OSError, ArithmeticError, LookupError, ValueError, MemoryError, TypeError, AttributeError,
+    struct.error, sqlite3.Error, apsw.Error, zstd.ZstdError,
+)  # fmt: skip
+"""What rosbags and the libraries below it raise for a damaged file."""
 _NEEDED = (topics.COMMAND, topics.STROBE, topics.STOPWATCH)
 
 
@@ -69,8 +78,10 @@ class RunBag:
                 self.messages = reader.message_count
                 self.first_stamp_ns = reader.start_time
                 self.last_stamp_ns = reader.end_time - 1
-        except (ReaderError, OSError, ValueError, KeyError) as error:
+        except _DAMAGE as error:
             raise BagError(f'{path} cannot be read: {error}') from error
+        if not self.messages:
+            raise BagError(f'{path} is empty: the run was never begun')
         missing = [topic.name for topic in _NEEDED if topic.name not in self._topics]
         missing += [name for name in map(topics.settings_topic, SETTINGS_OF) if name not in self._topics]
         if missing:
@@ -90,9 +101,10 @@ class RunBag:
                 wanted = [
                     connection for connection in reader.connections if connection.topic.removeprefix('/') in names
                 ]
-                for connection, stamp, data in reader.messages(wanted):
+                # Without a connection rosbags would read them all.
+                for connection, stamp, data in reader.messages(wanted) if wanted else ():
                     yield connection.topic.removeprefix('/'), stamp, bytes(data)
-        except (ReaderError, OSError, ValueError, MemoryError) as error:
+        except _DAMAGE as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 
     @cached_property
@@ -131,7 +143,10 @@ class RunBag:
     @property
     def complete(self) -> bool:
         """Whether the run came to its end."""
-        return any(read_tick(raw).end for _, _, raw in self.raw(topics.STROBE.name))
+        try:
+            return any(read_tick(raw).end for _, _, raw in self.raw(topics.STROBE.name))
+        except WireError as error:
+            raise BagError(f'{self.path} is damaged: {error}') from error
 
     @cached_property
     def motion(self) -> Motion:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import sqlite3
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
@@ -67,7 +69,7 @@ class RunWriter:
             if storage == 'mcap':
                 self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
             self._writer.open()
-        except (WriterError, OSError) as error:
+        except (WriterError, OSError, sqlite3.Error) as error:
             raise BagError(f'cannot write {path}: {error}') from error
         self._latched = {
             node: self._connect(settings_topic(node), SETTINGS_TYPE, _LATCHED) for node in sorted(settings)
@@ -93,7 +95,7 @@ class RunWriter:
             self._steps += 1
             if self._steps % self._steps_a_chunk == 0:
                 self._flush()
-        except OSError as error:
+        except (OSError, sqlite3.Error) as error:
             raise BagError(f'cannot write {self.path}: {error}') from error
 
     def close(self, *, complete: bool) -> None:
@@ -101,12 +103,13 @@ class RunWriter:
         self._writer.set_custom_data(COMPLETE, str(complete).lower())
         try:
             self._writer.close()
-        except OSError as error:
+        except (OSError, sqlite3.Error) as error:
             raise BagError(f'cannot finish {self.path}: {error}') from error
 
     def abort(self) -> None:
         """Leave what is on disk as it is, without an index: nobody will take it for a whole bag."""
-        self._writer.abort()
+        with suppress(OSError, sqlite3.Error):
+            self._writer.abort()
 
     def _connect(self, topic: str, kind: str, qos: Qos) -> Connection:
         return self._writer.add_connection(f'/{topic}', kind, typestore=_STORE, offered_qos_profiles=[qos])

@@ -33,7 +33,7 @@ class _Commands(click.Group):
         return command
 
 
-@click.group(cls=_Commands, context_settings={'help_option_names': ['-h', '--help']})
+@click.group(cls=_Commands, no_args_is_help=False, context_settings={'help_option_names': ['-h', '--help']})
 @click.version_option(__version__, prog_name='kapitsa')
 def kapitsa() -> None:
     """Kapitsa's inverted pendulum on a jigsaw: theory, simulation, and the laboratory of 1997 as a ROS 2 graph."""
@@ -42,7 +42,10 @@ def kapitsa() -> None:
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     try:
-        kapitsa.main(standalone_mode=False)
+        kapitsa.main(prog_name='kapitsa', standalone_mode=False)
+    except click.UsageError as error:
+        where = error.ctx.command_path if error.ctx is not None else 'kapitsa'
+        _leave(f'{error.format_message()} (see {where} --help)', WRONG_INPUT)
     except click.ClickException as error:
         _leave(error.format_message(), WRONG_INPUT)
     except (UsageError, AnalysisError, InstrumentError, ProtocolError, PhysicsError, BagError) as error:

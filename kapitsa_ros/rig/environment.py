@@ -17,13 +17,13 @@ RIG_PID = 'KAPITSA_RIG_PID'
 
 def node_environment(domain: int) -> dict[str, str]:
     """Return the environment for a node of a rig in a domain."""
-    return {**os.environ, **_loopback(), 'ROS_DOMAIN_ID': str(domain), RIG_PID: str(os.getpid())}
+    return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain), RIG_PID: str(os.getpid())}
 
 
 @contextmanager
 def on_loopback() -> Iterator[None]:
     """Let a participant that this process makes in the context keep to the interfaces of the nodes."""
-    added = _loopback()
+    added = loopback()
     os.environ.update(added)
     try:
         yield
@@ -32,7 +32,7 @@ def on_loopback() -> Iterator[None]:
             del os.environ[name]
 
 
-def _loopback() -> dict[str, str]:
+def loopback() -> dict[str, str]:
     """Return what the environment lacks to stay on this machine, unless it says something else."""
     asked = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     if asked != 'LOCALHOST':

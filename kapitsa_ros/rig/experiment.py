@@ -31,6 +31,10 @@ WATCH_PERIOD = 0.5
 """Seconds between two looks at the clock while all goes well; a death is noticed at once."""
 
 
+LEAVING = 1.0
+"""Seconds after which a node that ended without an error, before the session was over, is missing."""
+
+
 def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     """Start the graph, carry out the protocol, record a bag a run, and analyse the bags.
 
@@ -83,7 +87,8 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
             observer = Observer(domain, on_progress)
         with observer as seen, Nodes(roles, told | {'expect': [*told['expect'], 'observer']}, domain) as nodes:
             while not nodes.wait(WATCH_PERIOD):
-                pass
+                if not seen.session_over:
+                    nodes.refuse_leavers(LEAVING)
             seen.wait_for_end()
     return seen
 

@@ -40,6 +40,28 @@ SPEED = _Quantity('speed', parse_speed, '2240, 37.3Hz or 234rad/s')
 ANGLE = _Quantity('angle', parse_angle, '0.12 or 7deg')
 """Radians."""
 
+
+class _Rate(click.FloatRange):
+    """Click's range lets NaN through."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f'{value!r} is not finite; 1 is real time, 0 as fast as it can', param, ctx)
+        return number
+
+
+def rate_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --rate."""
+    return click.option(
+        '--rate',
+        type=_Rate(0, 1e4),
+        default=0.0,
+        show_default=True,
+        help='simulated over wall seconds; 0: as fast as it can',
+    )(command)
+
+
 _PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (
     ('length', LENGTH, 'length of the rod, L'),
     ('amplitude', LENGTH, 'half the stroke of the pivot, λ'),

@@ -111,6 +111,7 @@ class Nodes:
 
     def __init__(self, roles: Sequence[str], parameters: Mapping[str, Any], domain: int) -> None:
         self._processes: list[NodeProcess] = []
+        self._left: dict[str, float] = {}
         try:
             for role in roles:
                 self._processes.append(NodeProcess(role, parameters, domain))
@@ -149,6 +150,20 @@ class Nodes:
             words = process.last_words()
             raise RigError(f'{process.role} {how}{": " + words if words else ""}')
         return all(status == 0 for _, status in ended)
+
+    def refuse_leavers(self, patience: float) -> None:
+        """Refuse that a node ended of itself, as after a signal, while others still need it.
+
+        Raises
+        ------
+        RigError
+            One did, longer ago than `patience` seconds.
+
+        """
+        now = time.monotonic()
+        for process in self._processes:
+            if process.status() == 0 and now - self._left.setdefault(process.role, now) > patience:
+                raise RigError(f'{process.role} was ended before the session was over')
 
     def wait(self, timeout: float) -> bool:
         """Wait until a node ends or the time is over; then check.

@@ -54,8 +54,8 @@ def test_a_pendulum_that_fell_is_not_tried_again() -> None:
 
 def test_patience_ends() -> None:
     operator = Operator(Protocol(speeds=(SPEED,)), SPEED, 1.0)
-    commands = [operator.command(None, None) for _ in range(240)]
-    assert not commands[230].end
+    commands = [operator.command(None, None) for _ in range(310)]
+    assert not commands[290].end
     assert commands[-1].end
 
 
@@ -69,6 +69,10 @@ def test_the_protocol_of_1997() -> None:
     ('text', 'complaint'),
     [
         ('speeds: [2240 rpm, fast]', "'fast' is not a number"),
+        ('speeds: [null]', 'None is not a number'),
+        ('speeds: [true]', 'True is not a number'),
+        ('speeds: [1/0 Hz]', 'is not a number'),
+        ('speeds: [2240]\nrelease: [1]', 'is not a number'),
         ('speeds: []', 'one or more positive speeds'),
         ('speeds: [-3]', 'one or more positive speeds'),
         ('speeds: [.nan]', 'one or more positive speeds'),

@@ -150,6 +150,24 @@ def test_a_damaged_bag_is_refused(tmp_path: Path) -> None:
         _ = RunBag(path.parent).run
 
 
+@pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
+def test_a_bag_bent_anywhere_is_refused_or_read(tmp_path: Path, storage: str) -> None:
+    """No damage, wherever it is, ends in anything but a run or a BagError."""
+    path = next(file for file in write(tmp_path / 'run', storage=storage).iterdir() if file.suffix != '.yaml')
+    whole = path.read_bytes()
+    chance = np.random.default_rng(1997)
+    for _ in range(60):
+        bent = bytearray(whole)
+        for at in chance.integers(0, len(bent), 8):
+            bent[at] = chance.integers(256)
+        path.write_bytes(bytes(bent))
+        try:
+            bag = RunBag(path.parent)
+            _ = bag.run, bag.motion, bag.complete
+        except BagError:
+            continue
+
+
 def test_existing_runs_are_not_overwritten(tmp_path: Path) -> None:
     write(tmp_path / run_name(2, 2640 * RPM))
     refuse_existing(tmp_path, [2240 * RPM])

@@ -33,6 +33,13 @@ def one_line(answer: Any, status: int, *words: str) -> None:
         (['experiment', '--restitution', '2'], ['restitution', '[0, 1]']),
         (['experiment', '--seed', '-1'], ['--seed']),
         (['experiment', '--rate', '-1'], ['--rate']),
+        (['experiment', '--rate', 'nan'], ['--rate', 'finite']),
+        (['experiment', '--bags', 'x' * 300], ['--bags']),
+        (['experiment', '--protocol', 'x' * 300], ['protocol']),
+        (['experiment', '--length', '('], ['--length']),
+        (['experiment', '--length', '9**9**9**9 m'], ['--length']),
+        ([], ['kapitsa --help']),
+        (['bag'], ['kapitsa bag --help']),
         (['experiment', '--storage', 'tape'], ['--storage', 'mcap']),
         (['experiment', '--bags', '/proc/nowhere'], ['--bags', '/proc/nowhere']),
         (['analyse', '/nowhere'], ['/nowhere', 'folder of a run']),
@@ -96,6 +103,9 @@ def test_a_folder_that_is_a_file(kapitsa: Kapitsa, tmp_path: Path) -> None:
         ('player', ['-p', 'bags:=[/nowhere]'], ['/nowhere']),
         ('jigsaw', ['-p', 'rate:=fast'], ['rate']),
         ('pendulum', ['--params-file', '/nowhere.yaml'], []),
+        ('pendulum', ['--bogus'], []),
+        ('pendulum', ['-p', 'expect:=[nobody]'], ['expect', 'nobody']),
+        ('pendulum', ['-p', 'expect:=[observer]'], ['expect']),
     ],
 )
 def test_a_wrong_parameter(kapitsa: Kapitsa, role: str, arguments: list[str], words: list[str]) -> None:

@@ -247,6 +247,26 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
         assert "complete: 'false'" in bag.read_text()
 
 
+@pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGINT])
+def test_a_node_that_is_asked_to_leave_ends_the_experiment_too(number: signal.Signals, tmp_path: Path) -> None:
+    """It leaves with status 0, as it should; the others would wait for it for ever."""
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A')],
+        stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    try:
+        assert process.stderr is not None
+        assert next(line for line in process.stderr if 'run 1 of 3' in line)
+        nodes = {role_of(pid): pid for pid in children(process.pid)}
+        os.kill(nodes['strobe'], number)
+        _, err = process.communicate(timeout=30)
+    finally:
+        process.kill()
+        process.wait()
+    assert process.returncode == 1
+    assert err.strip() == 'kapitsa: error: strobe was ended before the session was over'
+
+
 def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
     with Nodes(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
         assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)

@@ -9,7 +9,7 @@ import click
 from kapitsa_ros.rig.options import json_option, print_json
 
 
-@click.group()
+@click.group(no_args_is_help=False)
 def bag() -> None:
     """Look into a recorded run."""
 

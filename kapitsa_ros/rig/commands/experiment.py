@@ -9,7 +9,7 @@ import click
 from rich.console import Console
 
 from kapitsa_ros.recording.writer import STORAGES
-from kapitsa_ros.rig.options import instrument_options, json_option, plant_options, print_json
+from kapitsa_ros.rig.options import instrument_options, json_option, plant_options, print_json, rate_option
 from kapitsa_ros.rig.roster import Setup
 
 if TYPE_CHECKING:
@@ -24,13 +24,7 @@ if TYPE_CHECKING:
     '--bags', type=click.Path(path_type=Path), default=Path('runs'), show_default=True, help='folder for the runs'
 )
 @click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
-@click.option(
-    '--rate',
-    type=click.FloatRange(0, 1e4),
-    default=0.0,
-    show_default=True,
-    help='simulated over wall seconds; 0: as fast as it can',
-)
+@rate_option
 @click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
 @json_option
 def experiment(

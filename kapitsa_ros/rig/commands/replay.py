@@ -7,18 +7,12 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from kapitsa_ros.rig.options import json_option, print_json
+from kapitsa_ros.rig.options import json_option, print_json, rate_option
 
 
 @click.command()
 @click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option(
-    '--rate',
-    type=click.FloatRange(0, 1e4),
-    default=0.0,
-    show_default=True,
-    help='simulated over wall seconds; 0: as fast as it can',
-)
+@rate_option
 @json_option
 def replay(*, bags: tuple[Path, ...], rate: float, as_json: bool) -> None:
     """Play recorded runs through the graph; the analyser there analyses them as they come."""
