@@ -150,8 +150,8 @@ class Nodes:
             raise RigError(f'{process.role} {how}{": " + words if words else ""}')
         return all(status == 0 for _, status in ended)
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until a node ends or the time is over; then check.
+    def wait(self, timeout: float, *news: int) -> bool:
+        """Wait until a node ends, a file descriptor of `news` can be read, or the time is over; then check.
 
         Raises
         ------
@@ -161,7 +161,7 @@ class Nodes:
         """
         running = [process.pidfd for process in self._processes if process.status() is None]
         if running:
-            select.select(running, [], [], timeout)
+            select.select([*running, *news], [], [], timeout)
         return self.check()
 
     def stop(self) -> None:
