@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
+from kapitsa_ros.nodes.delay import Delay
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
@@ -64,10 +64,10 @@ class JigsawNode(Stage):
         self._commands: deque[tuple[Tick, Command]] = deque()
         self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
         self._next = Tick(1, 0)
+        self._delay = Delay(self)
         self._cut_short = 0
         """The last run that a reset has ended; its operator may be ahead of the news."""
         self._view = self.create_publisher(Clock, '/clock', VIEW)
-        self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
@@ -106,15 +106,27 @@ class JigsawNode(Stage):
             self._emit_step(*self._commands.popleft())
         return IDLE
 
+    def poll(self) -> float:
+        """Do what is due, and watch for those who keep time waiting."""
+        wait = super().poll()
+        if self._peers.matched:
+            self._delay.note(self._next, () if self._time.stands_still else self._awaited())
+        return wait
+
     def _may_go(self) -> bool:
-        if self._time.stands_still or not self._commands:
+        if self._time.stands_still or self._awaited():
             return False
         tick = self._commands[0][0]
         if (tick.run, tick.step) != (self._next.run, self._next.step):
             raise NodeError(
                 f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight'
             )
-        return all(self._has_caught_up(ack) for ack in self._acknowledged.values())
+        return True
+
+    def _awaited(self) -> list[str]:
+        """Return the names of the topics that have to say more before the next step."""
+        late = [topic for topic, ack in self._acknowledged.items() if not self._has_caught_up(ack)]
+        return late if self._commands else [topics.COMMAND.name, *late]
 
     def _has_caught_up(self, ack: Tick | None) -> bool:
         """Whether a reader is close enough behind, and through with the run before."""
@@ -160,7 +172,7 @@ class JigsawNode(Stage):
         if self._show.due():
             self._view.publish(Clock(clock=to_time(stamp)))
         if self._report.due() or tick.end:
-            self._reports.publish(progress_message('jigsaw', tick, stamp, self._time.pace))
+            self.diagnostics.publish(progress_message('jigsaw', tick, stamp, self._time.pace))
 
 
 create = JigsawNode

@@ -6,8 +6,6 @@ from collections import deque
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray
-
 from kapitsa_ros.nodes.errors import SettingError
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare
@@ -45,7 +43,6 @@ class PlayerNode(Stage):
             node: self.create_publisher(self._text, topics.settings_topic(node), LATCHED)
             for node in self._bags[0].settings_texts
         }
-        self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._under_way: deque[Tick] = deque()
         self._steps = self._play()
         self._next = next(self._steps)
@@ -75,7 +72,7 @@ class PlayerNode(Stage):
             self._under_way.append(tick)
             self._pace.count(stamp / SECOND)
             if ends_session(tick):
-                self._reports.publish(progress_message('player', tick, stamp, self._pace))
+                self.diagnostics.publish(progress_message('player', tick, stamp, self._pace))
                 self.finish()
             else:
                 self._next = next(self._steps)

@@ -4,12 +4,14 @@ import contextlib
 import math
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
@@ -171,8 +173,24 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
     with on_loopback():
         rclpy.init(context=context, domain_id=lab.domain)
     writers = [Node(f'writer_{number}', context=context) for number in range(2)]
+    refused: dict[str, int] = {}
+
+    def take_health(array: DiagnosticArray) -> None:
+        refused.update({s.name: int(pair.value) for s in array.status for pair in s.values if pair.key == 'refused'})
+
+    writers[0].create_subscription(DiagnosticArray, 'diagnostics', take_health, 10)
     speeds = [writer.create_publisher(Float64, 'operator/speed', 10) for writer in writers]
     angles = [writer.create_publisher(Float64, 'operator/release', 10) for writer in writers]
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(writers[0])
+
+    def spin_until(condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + 20
+        while not condition():
+            assert time.monotonic() < deadline
+            executor.spin_once(timeout_sec=0.1)
+
+    spin_until(lambda: all(publisher.get_subscription_count() for publisher in (*speeds, *angles)))
     lab.request_speed(1000)
     lab.wait_for('operator/command', lambda command: command.speed == 1000 * RPM)
     nonsense = (math.nan, math.inf, -math.inf, -5.0, 1e308)
@@ -183,6 +201,8 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
     lab.request_speed(2500)
     lab.wait_for('operator/command', lambda command: command.speed == 2500 * RPM)
     assert timed(lab, 2450, 0.12) == pytest.approx(0.55, abs=0.1)
+    spin_until(lambda: refused.get('operator: health', 0) > 0)
+    executor.shutdown()
     for writer in writers:
         writer.destroy_node()
     context.try_shutdown()
@@ -195,6 +215,20 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
         *(rpm * RPM for rpm in (1000, 2450, 2500)),
     }
     assert {command.hold for command in commands} <= {None, 0.01, 0.12}
+    assert RunBag(bag).motion.gaps == 0
+
+
+@pytest.mark.parametrize(('role', 'topic'), [('operator', 'operator/command'), ('recorder', 'recorder/written')])
+def test_a_node_that_hangs_is_named_and_may_go_on(lab: Rig, role: str, topic: str) -> None:
+    lab._nodes[role].end(signal.SIGSTOP)
+    try:
+        assert lab._nodes['jigsaw'].wait_for_line(f'waits for {topic}', 10.0)
+    finally:
+        lab._nodes[role].end(signal.SIGCONT)
+    drain(lab, 'pendulum/motion')
+    assert timed(lab, 2400, 0.1) > 0.5
+    bag = newest_bag(lab)
+    lab.reset()
     assert RunBag(bag).motion.gaps == 0
 
 
