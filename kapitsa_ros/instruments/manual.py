@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
 
+LONGEST = 80_000.0
+"""Seconds after which a run is ended: each has a day of simulated time."""
+
 
 class Requests:
     """What a person asks for; of several requests between two steps the newest counts.
@@ -72,7 +75,7 @@ class Requests:
 
 
 class ManualOperator:
-    """Commands of one run, one a step; it lasts until somebody ends it.
+    """Commands of one run, one a step; it lasts until somebody ends it, or the day is over.
 
     The shaft is at rest and the pendulum held until something is asked for. To let it go, the pendulum is caught, held
     at the angle for half a second, and released.
@@ -94,6 +97,7 @@ class ManualOperator:
         self._holds = self._hold(release)
         self._opening = Command(0.0, release)
         self._speed = 0.0
+        self._left = round(LONGEST / step)
 
     def opening(self) -> Command:
         """Return the command for the steps before the first reading can have an effect."""
@@ -101,6 +105,9 @@ class ManualOperator:
 
     def command(self, strobe: StrobeReading | None, stopwatch: StopwatchReading | None) -> Command:  # noqa: ARG002
         """Return the command for the next free step; a person, not the operator, minds the readings."""
+        self._left -= 1
+        if self._left <= 0:
+            return Command(0.0, None, end=True)
         speed = self._requests.take_speed()
         if speed is not None:
             self._speed = speed

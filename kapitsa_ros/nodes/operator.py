@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import repeat
 from typing import TYPE_CHECKING
 
 from std_msgs.msg import Float64
@@ -45,7 +46,7 @@ class OperatorNode(JoinedStage):
         self._steps = StepClock(round(step * SECOND))
         if name == MANUAL:
             requests = self._heed(Requests(fastest))
-            self._runs: Iterator[Begin] = iter([partial(ManualOperator, requests, release, self._steps.step)])
+            self._runs: Iterator[Begin] = repeat(partial(ManualOperator, requests, release, self._steps.step))
         else:
             self._runs = self._carry_out(name)
         self._begin: Begin | None = None

@@ -50,6 +50,12 @@ def test_a_request_between_two_runs_waits_for_the_next(requests: Requests) -> No
     assert ManualOperator(requests, 0.12, 0.1).command(None, None) == Command(250.0, 0.12)
 
 
+def test_a_run_ends_before_its_day_is_over(requests: Requests) -> None:
+    ends = [command.end for command in commands(ManualOperator(requests, 0.12, 100.0), 864)]
+    assert not any(ends[:799])
+    assert all(ends[799:])
+
+
 @pytest.mark.parametrize('speed', [math.nan, math.inf, -math.inf, -1.0, 500.1, 1e308])
 def test_a_speed_that_cannot_be_is_refused(operator: ManualOperator, requests: Requests, speed: float) -> None:
     with pytest.raises(RequestError, match='0 to 500 rad/s'):
