@@ -11,3 +11,7 @@ class SettingsError(InstrumentError):
 
 class ProtocolError(ValueError):
     """A protocol says something no operator can do; the message names the entry and the mend."""
+
+
+class RequestError(InstrumentError):
+    """A person asks the operator for what cannot be; the message names the range."""

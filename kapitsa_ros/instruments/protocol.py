@@ -12,6 +12,8 @@ from kapitsa_ros.instruments.errors import ProtocolError
 from kapitsa_ros.share import share_path
 from kapitsa_ros.units import parse_angle, parse_speed
 
+MANUAL = 'manual'
+"""In place of a protocol: the operator does what a person asks for."""
 _KEYS = {'speeds', 'release', 'swings', 'repeats'}
 
 

@@ -1,7 +1,8 @@
 """The jigsaw: moves the pivot as commanded, and owns time.
 
 It emits the pivot's motion over step n when it has the command for step n, and the readers that acknowledge steps are
-no more than `in_flight` steps behind.
+no more than `in_flight` steps behind. A reset ends the run before its next step: the operator, who sees the end, opens
+the next run.
 """
 
 from __future__ import annotations
@@ -9,15 +10,15 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rosgraph_msgs.msg import Clock
 
+from kapitsa_ros.nodes.delay import Delay
 from kapitsa_ros.nodes.errors import NodeError, SettingError
-from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import IDLE, Stage
+from kapitsa_ros.nodes.time_control import TimeControl
 from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle, to_time
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
@@ -55,13 +56,15 @@ class JigsawNode(Stage):
             'spin_up': declare(self, 'spin_up', 200.0, 'angular acceleration of the shaft, rad/s^2', 0.1, 1e5),
             'max_speed': declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
         }
-        self._pace = Pace(declare(self, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4))
+        self._time = TimeControl(self, next_step=lambda: self._next, reset=self._reset)
         self._jigsaw = self._at_rest()
         self._commands: deque[tuple[Tick, Command]] = deque()
         self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
         self._next = Tick(1, 0)
+        self._delay = Delay(self)
+        self._cut_short = 0
+        """The last run that a reset has ended; its operator may be ahead of the news."""
         self._view = self.create_publisher(Clock, '/clock', VIEW)
-        self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
@@ -80,6 +83,8 @@ class JigsawNode(Stage):
         if topic != topics.COMMAND.name:
             self._acknowledged[topic] = tick
             return True
+        if tick.run == self._cut_short:
+            return True
         if (tick.run, tick.step) < (self._next.run, self._next.step + len(self._commands)):
             return False
         command = decode_command(raw)
@@ -92,21 +97,33 @@ class JigsawNode(Stage):
     def advance(self) -> float:
         """Emit every step that is commanded, acknowledged and due."""
         while not self.finished and self._may_go():
-            wait = self._pace.wait(self._steps.start_ns(self._next) / SECOND)
+            wait = self._time.pace.wait(self._steps.start_ns(self._next) / SECOND)
             if wait > 0:
                 return wait
             self._emit_step(*self._commands.popleft())
         return IDLE
 
+    def poll(self) -> float:
+        """Do what is due, and watch for those who keep time waiting."""
+        wait = super().poll()
+        if self._peers.matched:
+            self._delay.note(self._next, () if self._time.stands_still else self._awaited())
+        return wait
+
     def _may_go(self) -> bool:
-        if not self._commands:
+        if self._time.stands_still or self._awaited():
             return False
         tick = self._commands[0][0]
         if (tick.run, tick.step) != (self._next.run, self._next.step):
             raise NodeError(
                 f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight'
             )
-        return all(self._has_caught_up(ack) for ack in self._acknowledged.values())
+        return True
+
+    def _awaited(self) -> list[str]:
+        """Return the names of the topics that have to say more before the next step."""
+        late = [topic for topic, ack in self._acknowledged.items() if not self._has_caught_up(ack)]
+        return late if self._commands else [topics.COMMAND.name, *late]
 
     def _has_caught_up(self, ack: Tick | None) -> bool:
         """Whether a reader is close enough behind, and through with the run before."""
@@ -116,16 +133,26 @@ class JigsawNode(Stage):
         behind = step - self._in_flight
         return behind < 0 or (ack is not None and ack.run == run and ack.step >= behind)
 
+    def _reset(self) -> None:
+        self._commands.clear()
+        self._cut_short = self._next.run
+        self._end_run(Tick(self._next.run, self._next.step, end=True))
+
     def _emit_step(self, tick: Tick, command: Command) -> None:
-        stamp = self._steps.start_ns(tick)
         if tick.end:
-            self.emit_silence(topics.PIVOT, tick, stamp)
-            self._jigsaw = self._at_rest()
-            self._next = Tick(tick.run + 1, 0)
-        else:
-            samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
-            self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
-            self._next = Tick(tick.run, tick.step + 1)
+            self._end_run(tick)
+            return
+        stamp = self._steps.start_ns(tick)
+        samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
+        self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
+        self._next = Tick(tick.run, tick.step + 1)
+        self._tell(tick, stamp)
+
+    def _end_run(self, tick: Tick) -> None:
+        stamp = self._steps.start_ns(tick)
+        self.emit_silence(topics.PIVOT, tick, stamp)
+        self._jigsaw = self._at_rest()
+        self._next = Tick(tick.run + 1, 0)
         self._tell(tick, stamp)
         if ends_session(tick):
             self.finish()
@@ -138,11 +165,11 @@ class JigsawNode(Stage):
 
     def _tell(self, tick: Tick, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
-        self._pace.count(stamp / SECOND)
+        self._time.count(stamp / SECOND)
         if self._show.due():
             self._view.publish(Clock(clock=to_time(stamp)))
         if self._report.due() or tick.end:
-            self._reports.publish(progress_message('jigsaw', tick, stamp, self._pace))
+            self.diagnostics.publish(progress_message('jigsaw', tick, stamp, self._time.pace))
 
 
 create = JigsawNode

@@ -1,15 +1,26 @@
-"""The operator: carries out a protocol, one command a step, each made from the readings of `in_flight` steps before."""
+"""The operator: one command a step, each made from the readings of `in_flight` steps before, or from a person's wishes.
+
+It carries out a protocol, run after run; with the protocol `manual` it binds what is asked for on `operator/speed` and
+`operator/release` to the next free step.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from itertools import repeat
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.instruments.errors import ProtocolError
+from std_msgs.msg import Float64
+
+from kapitsa_ros.instruments.errors import ProtocolError, RequestError
+from kapitsa_ros.instruments.manual import ManualOperator, Requests
 from kapitsa_ros.instruments.operator import Command, Operator
-from kapitsa_ros.instruments.protocol import load_protocol
+from kapitsa_ros.instruments.protocol import MANUAL, load_protocol
 from kapitsa_ros.nodes.errors import SettingError
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.stage import JoinedStage
+from kapitsa_ros.physics.pivot import MAX_SPEED
 from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_stopwatch, decode_strobe, encode_command
@@ -18,56 +29,88 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
+Begin = Callable[[], Operator | ManualOperator]
+"""Begins a run."""
+
+
 class OperatorNode(JoinedStage):
     """Executable `operator`."""
 
     def __init__(self) -> None:
         super().__init__('operator', reads=(topics.STROBE, topics.STOPWATCH), writes=(topics.COMMAND,))
-        name = declare(self, 'protocol', '1997', 'name of a shipped protocol or path of a YAML file')
+        name = declare(self, 'protocol', '1997', f'name of a shipped protocol, path of a YAML file, or {MANUAL}')
+        release = declare(self, 'release', 0.12, 'angle at which a manual run begins, rad', -1.5, 1.5)
+        fastest = declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4)
         self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the jigsaw is told the same', 1, 100)
         step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
         self._steps = StepClock(round(step * SECOND))
-        try:
-            self._protocol = load_protocol(name)
-        except ProtocolError as error:
-            raise SettingError(f'parameter protocol: {error}') from error
-        self._speeds: Iterator[float] = iter(self._protocol.speeds)
-        self._operator: Operator | None = None
-        self._ended = False
+        if name == MANUAL:
+            requests = self._heed(Requests(fastest))
+            self._runs: Iterator[Begin] = repeat(partial(ManualOperator, requests, release, self._steps.step))
+        else:
+            self._runs = self._carry_out(name)
+        self._begin: Begin | None = None
+        """Of the run under way; None: nobody was there yet, or no run is left."""
+        self._run: Operator | ManualOperator
+        self._end: Tick | None = None
+        """Where the run under way was told to end."""
 
     def advance(self) -> float:
         """Open the first run as soon as everyone is there; then answer readings."""
-        if self._operator is None and not self._ended:
-            self._open_run(1)
+        if self._begin is None and self._end is None:
+            self._open_run(1, next(self._runs))
         return super().advance()
 
     def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
         """Answer the readings of one step, unless the run has been ended already."""
-        if self._ended or self._operator is None:
-            return
-        command = self._operator.command(
-            decode_strobe(messages[topics.STROBE.name]), decode_stopwatch(messages[topics.STOPWATCH.name])
-        )
-        self._ended = command.end
-        self._say(Tick(tick.run, tick.step + self._in_flight), command)
+        if self._end is None:
+            command = self._run.command(
+                decode_strobe(messages[topics.STROBE.name]), decode_stopwatch(messages[topics.STOPWATCH.name])
+            )
+            self._say(Tick(tick.run, tick.step + self._in_flight, end=command.end), command)
 
     def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
-        """Open the next run."""
+        """Open the next run: the same again, if this one ended elsewhere than it was told to."""
         if not ends_session(tick):
-            self._open_run(tick.run + 1)
+            as_told, self._end = tick == self._end, None
+            self._open_run(tick.run + 1, next(self._runs, None) if as_told else self._begin)
 
-    def _open_run(self, run: int) -> None:
+    def _open_run(self, run: int, begin: Begin | None) -> None:
         """Say what holds until the first reading can be answered; or, after the last run, that none follows."""
-        speed = next(self._speeds, None)
-        self._ended = speed is None
-        if speed is None:
-            self._say(Tick(run, 0), Command(0.0, None, end=True))
+        self._begin = begin
+        if begin is None:
+            self._say(Tick(run, 0, end=True), Command(0.0, None, end=True))
             return
-        self._operator = Operator(self._protocol, speed, self._steps.step)
+        self._run = begin()
         for step in range(self._in_flight):
-            self._say(Tick(run, step), self._operator.opening())
+            self._say(Tick(run, step), self._run.opening())
+
+    def _carry_out(self, name: str) -> Iterator[Begin]:
+        try:
+            protocol = load_protocol(name)
+        except ProtocolError as error:
+            raise SettingError(f'parameter protocol: {error}') from error
+        return iter([partial(Operator, protocol, speed, self._steps.step) for speed in protocol.speeds])
+
+    def _heed(self, requests: Requests) -> Requests:
+        """Take requests from their topics; those that cannot be are counted, and said once in a while."""
+
+        def taker(ask: Callable[[float], None]) -> Callable[[Float64], None]:
+            def take(message: Float64) -> None:
+                try:
+                    ask(message.data)
+                except RequestError as error:
+                    self.refuse(str(error))
+
+            return take
+
+        self.create_subscription(Float64, 'operator/speed', taker(requests.ask_speed), 10)
+        self.create_subscription(Float64, 'operator/release', taker(requests.ask_release), 10)
+        return requests
 
     def _say(self, tick: Tick, command: Command) -> None:
+        if command.end:
+            self._end = tick
         self.emit(topics.COMMAND, encode_command(self._steps.start_ns(tick), tick, command))
 
 

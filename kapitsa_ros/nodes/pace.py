@@ -17,8 +17,7 @@ class Pace:
     """
 
     def __init__(self, rate: float) -> None:
-        self.rate = rate
-        """Simulated over wall seconds; 0: as fast as it can."""
+        self._rate = rate
         self.misses = 0
         """How often time was given up."""
         self.simulated = 0.0
@@ -27,14 +26,28 @@ class Pace:
         self._first: float | None = None
         self._last = self._newest = 0.0
 
+    @property
+    def rate(self) -> float:
+        """Simulated over wall seconds; 0: as fast as it can."""
+        return self._rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._rate = rate
+        self.restart()
+
+    def restart(self) -> None:
+        """Count from the next step: what went by until then is not caught up."""
+        self._origin = None
+
     def wait(self, simulated: float) -> float:
         """Return the wall seconds until the step that starts at `simulated` seconds is due; at most 0 when it is."""
-        if self.rate == 0:
+        if self._rate == 0:
             return 0.0
         now = time.monotonic()
         if self._origin is None or abs(simulated - self._origin[1]) > NEXT_RUN:
             self._origin = (now, simulated)
-        due = self._origin[0] + (simulated - self._origin[1]) / self.rate
+        due = self._origin[0] + (simulated - self._origin[1]) / self._rate
         if now - due > LATE:
             self.misses += 1
             self._origin = (now, simulated)

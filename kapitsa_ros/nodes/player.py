@@ -7,8 +7,6 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from diagnostic_msgs.msg import DiagnosticArray
-
 from kapitsa_ros.nodes.errors import SettingError
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare
@@ -47,7 +45,6 @@ class PlayerNode(Stage):
             node: self.create_publisher(self._text, topics.settings_topic(node), LATCHED)
             for node in self._bags[0].settings_texts
         }
-        self._reports = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self._report = Throttle(REPORT_PERIOD)
         self._under_way: deque[Tick] = deque()
         self._playing = self._bags[0]
@@ -81,7 +78,7 @@ class PlayerNode(Stage):
             self._under_way.append(tick)
             self._pace.count(stamp / SECOND)
             if self._report.due() or tick.end:
-                self._reports.publish(progress_message('player', tick, stamp, self._pace))
+                self.diagnostics.publish(progress_message('player', tick, stamp, self._pace))
             if ends_session(tick):
                 self.finish()
             else:

@@ -1,8 +1,8 @@
-"""How far the rig is, for whoever watches `diagnostics`."""
+"""How far the rig is and how its nodes are, for whoever watches `diagnostics`."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
@@ -25,11 +25,17 @@ def progress_message(node: str, tick: Tick, stamp_ns: int, pace: Pace) -> Diagno
         'deadline_misses': pace.misses,
         'session_over': ends_session(tick),
     }
-    status = DiagnosticStatus(
-        level=DiagnosticStatus.OK,
-        name=f'{node}: progress',
-        message=str(tick),
-        hardware_id='kapitsa_ros',
-        values=[KeyValue(key=key, value=str(value)) for key, value in values.items()],
-    )
+    return _array(f'{node}: progress', stamp_ns, DiagnosticStatus.OK, str(tick), values)
+
+
+def health_message(node: str, stamp_ns: int, refused: int, held_up: int) -> DiagnosticArray:
+    """Return what has gone wrong around a node that goes on: input it refused, and readers that held it up."""
+    values = {'refused': refused, 'held_up': held_up}
+    level, text = (DiagnosticStatus.WARN, 'see the log') if refused or held_up else (DiagnosticStatus.OK, 'well')
+    return _array(f'{node}: health', stamp_ns, level, text, values)
+
+
+def _array(name: str, stamp_ns: int, level: bytes, text: str, values: dict[str, Any]) -> DiagnosticArray:
+    pairs = [KeyValue(key=key, value=str(value)) for key, value in values.items()]
+    status = DiagnosticStatus(level=level, name=name, message=text, hardware_id='kapitsa_ros', values=pairs)
     return DiagnosticArray(header=Header(stamp=to_time(stamp_ns)), status=[status])

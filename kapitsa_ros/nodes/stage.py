@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
@@ -14,7 +15,9 @@ from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.join import Join
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.peers import Peers
+from kapitsa_ros.nodes.progress import health_message
 from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
+from kapitsa_ros.nodes.view import Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
@@ -27,6 +30,8 @@ IDLE = 1.0
 """Seconds between two looks around when only messages give work."""
 LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
+HEALTH_PERIOD = 1.0
+"""Seconds of wall time between two reports of a node's health."""
 DRAIN = Duration(seconds=3)
 """How long a node that has finished waits for its last messages to be taken."""
 
@@ -53,6 +58,9 @@ class Stage(Node):
         self.finished = False
         self._failure: Exception | None = None
         self._refused = 0
+        self._held_up = 0
+        self._health = Throttle(HEALTH_PERIOD)
+        self.diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
         self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
         if reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {reads[0].name}')
@@ -100,6 +108,7 @@ class Stage(Node):
                         f'{topic.name} is full: waiting for a reader that has stopped ({readers})'
                     )
                     said = True
+                    self._held_up += 1
                 time.sleep(0.01)
             else:
                 return
@@ -123,6 +132,9 @@ class Stage(Node):
         """Do what is due; return the seconds until the next call."""
         if self._failure is not None:
             raise self._failure
+        if self._health.due():
+            now = self.get_clock().now().nanoseconds
+            self.diagnostics.publish(health_message(self.get_name(), now, self._refused, self._held_up))
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
     def _taker(self, name: str) -> Callable[[bytes], None]:

@@ -19,18 +19,28 @@ class Topic:
 
 
 COMMAND = Topic(
-    'operator/command', 'sensor_msgs/msg/JointState', 'operator', ('jigsaw', 'pendulum', 'analyser', 'recorder')
+    'operator/command',
+    'sensor_msgs/msg/JointState',
+    'operator',
+    ('jigsaw', 'pendulum', 'analyser', 'recorder', 'client'),
 )
-PIVOT = Topic('jigsaw/pivot', 'trajectory_msgs/msg/JointTrajectory', 'jigsaw', ('pendulum', 'strobe', 'recorder'))
-MOTION = Topic('pendulum/motion', 'trajectory_msgs/msg/JointTrajectory', 'pendulum', ('stopwatch', 'recorder'))
-STROBE = Topic('strobe/reading', 'sensor_msgs/msg/JointState', 'strobe', ('operator', 'analyser', 'recorder'))
+PIVOT = Topic(
+    'jigsaw/pivot', 'trajectory_msgs/msg/JointTrajectory', 'jigsaw', ('pendulum', 'strobe', 'recorder', 'client')
+)
+MOTION = Topic(
+    'pendulum/motion', 'trajectory_msgs/msg/JointTrajectory', 'pendulum', ('stopwatch', 'recorder', 'client')
+)
+STROBE = Topic('strobe/reading', 'sensor_msgs/msg/JointState', 'strobe', ('operator', 'analyser', 'recorder', 'client'))
 STOPWATCH = Topic(
-    'stopwatch/reading', 'sensor_msgs/msg/TimeReference', 'stopwatch', ('operator', 'analyser', 'recorder')
+    'stopwatch/reading', 'sensor_msgs/msg/TimeReference', 'stopwatch', ('operator', 'analyser', 'recorder', 'client')
 )
 RESULT = Topic(
-    'analyser/result', 'diagnostic_msgs/msg/DiagnosticArray', 'analyser', ('jigsaw', 'recorder', 'player', 'observer')
+    'analyser/result',
+    'diagnostic_msgs/msg/DiagnosticArray',
+    'analyser',
+    ('jigsaw', 'recorder', 'player', 'observer', 'client'),
 )
-WRITTEN = Topic('recorder/written', 'std_msgs/msg/Header', 'recorder', ('jigsaw',))
+WRITTEN = Topic('recorder/written', 'std_msgs/msg/Header', 'recorder', ('jigsaw', 'client'))
 
 RECORDED = (COMMAND, PIVOT, MOTION, STROBE, STOPWATCH, RESULT)
 """In the order in which a bag holds the messages of a step."""

@@ -165,8 +165,8 @@ class Nodes:
             if process.status() == 0 and now - self._left.setdefault(process.role, now) > patience:
                 raise RigError(f'{process.role} was ended before the session was over')
 
-    def wait(self, timeout: float) -> bool:
-        """Wait until a node ends or the time is over; then check.
+    def wait(self, timeout: float, *news: int) -> bool:
+        """Wait until a node ends, a file descriptor of `news` can be read, or the time is over; then check.
 
         Raises
         ------
@@ -176,7 +176,7 @@ class Nodes:
         """
         running = [process.pidfd for process in self._processes if process.status() is None]
         if running:
-            select.select(running, [], [], timeout)
+            select.select([*running, *news], [], [], timeout)
         return self.check()
 
     def stop(self) -> None:

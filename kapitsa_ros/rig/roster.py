@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.instruments.protocol import Protocol, load_protocol
+from kapitsa_ros.instruments.protocol import MANUAL, Protocol, load_protocol
 from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.recording.topics import ROLES
@@ -44,7 +44,7 @@ def parameters(setup: Setup) -> dict[str, Any]:
         **asdict(instruments.stopwatch),
         'expect': list(setup.roles),
         'protocol': setup.protocol,
-        'swings': setup.carried_out().swings,
+        **({} if setup.protocol == MANUAL else {'swings': setup.carried_out().swings}),
         'seed': setup.seed,
         'rate': float(setup.rate),
         'bags': str(setup.bags),

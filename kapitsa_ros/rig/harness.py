@@ -1,0 +1,277 @@
+"""The rig in the hands of a Python program: start it, drive it, wait for what it says, stop it whatever happens."""
+
+from __future__ import annotations
+
+import math
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Self
+
+from kapitsa_ros.instruments.manual import Requests
+from kapitsa_ros.instruments.protocol import MANUAL
+from kapitsa_ros.nodes.client import ROLE, TOPICS, Client
+from kapitsa_ros.physics.parameters import load_preset
+from kapitsa_ros.physics.pivot import MAX_SPEED
+from kapitsa_ros.physics.steps import Tick
+from kapitsa_ros.recording.topics import COMMAND, ROLES
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.processes import Nodes
+from kapitsa_ros.rig.roster import Setup, parameters
+from kapitsa_ros.rig.segments import no_dead_segments
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from types import TracebackType
+
+PATIENCE = 30.0
+"""Seconds of wall time for which an answer is waited for."""
+_LOOK_PERIOD = 0.1
+"""Seconds between two looks at the graph: who joins it does not announce it with a message."""
+
+
+class Rig:
+    """All nodes of the laboratory as processes, in a domain of their own. A context: on leaving it, none is left.
+
+    Several rigs may run in one process at the same time.
+
+    Parameters
+    ----------
+    preset
+        Name of the plant: ideal, bearing or as_built_1997.
+    instruments
+        Name of the instrument set: 1997 or ideal.
+    seed
+        Of all chance in the rig.
+    rate
+        Simulated over wall seconds; 0: as fast as it can.
+    nodes
+        Roles to start; None: all seven. Those left out are somebody else's: the rig waits until they have joined.
+    domain
+        ROS domain; None: that of ROS_DOMAIN_ID, or a free one.
+    bags
+        Folder for the recorded runs; None: a temporary one, which goes with the rig.
+    protocol
+        `manual`, or what the operator is to carry out.
+
+    Raises
+    ------
+    RigError
+        On entering: the domain is taken. From any method: a node died; the message names it and its last lines.
+    TimeoutError
+        From any method that waits: what was waited for did not come.
+
+    """
+
+    def __init__(  # noqa: PLR0917  # the order is the contract's
+        self,
+        preset: str = 'ideal',
+        instruments: str = '1997',
+        seed: int = 1,
+        rate: float = 0.0,
+        nodes: Sequence[str] | None = None,
+        domain: int | None = None,
+        *,
+        bags: str | Path | None = None,
+        protocol: str = MANUAL,
+    ) -> None:
+        self._roles = ROLES if nodes is None else tuple(nodes)
+        if unknown := set(self._roles) - set(ROLES):
+            raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLES)}')
+        self._preset, self._instruments, self._protocol = preset, instruments, protocol
+        self._seed, self._rate, self._wanted_domain = seed, rate, domain
+        self._given_bags = bags
+        self._stack = ExitStack()
+        self.domain: int
+        """ROS domain, for nodes that are to join."""
+        self.bags: Path
+        """Folder of the recorded runs."""
+        self._client: Client
+        self._nodes: Nodes
+
+    def __enter__(self) -> Self:
+        """Start the nodes."""
+        with ExitStack() as stack:
+            folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
+            self.bags = Path(folder)
+            setup = Setup(
+                plant=load_preset(self._preset),
+                instruments=self._instruments,
+                protocol=self._protocol,
+                seed=self._seed,
+                rate=self._rate,
+                bags=self.bags,
+            )
+            told = parameters(setup)
+            stack.enter_context(no_dead_segments())
+            self.domain = stack.enter_context(reserved_domain(self._wanted_domain))
+            with on_loopback():
+                client = Client(self.domain)
+            self._client = stack.enter_context(client)
+            expected = [*told['expect'], ROLE]
+            self._nodes = stack.enter_context(Nodes(self._roles, told | {'expect': expected}, self.domain))
+            self._stack = stack.pop_all()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop the nodes."""
+        self._stack.close()
+
+    def request_speed(self, rpm: float) -> None:
+        """Ask the operator for a forcing speed, RPM.
+
+        Raises
+        ------
+        RequestError
+            The jigsaw cannot turn so.
+
+        """
+        Requests(MAX_SPEED).ask_speed(rpm * RPM)
+        self._ask('operator/speed', rpm * RPM)
+
+    def release(self, angle: float) -> None:
+        """Ask the operator to catch the pendulum and let it go from an angle, rad.
+
+        Raises
+        ------
+        RequestError
+            The angle is not within a quarter turn of upright.
+
+        """
+        Requests(MAX_SPEED).ask_release(angle)
+        self._ask('operator/release', angle)
+
+    def wait_for(self, topic: str, predicate: Callable[[Any], bool] | None = None, timeout: float = PATIENCE) -> Any:
+        """Return the next message on a topic that fits.
+
+        Each message is given once: what came since the last call counts, so nothing is missed between two calls (of a
+        topic that nobody reads the newest 1000 messages are kept). Silent steps are passed over.
+
+        Parameters
+        ----------
+        topic
+            One of `operator/command`, `jigsaw/pivot`, `pendulum/motion`, `strobe/reading`, `stopwatch/reading`,
+            `analyser/result`.
+        predicate
+            Called with the message; None: any fits.
+        timeout
+            Seconds of wall time.
+
+        Returns
+        -------
+        Command, Samples, StrobeReading, StopwatchReading or dict
+            The message as the rooms without ROS have it, SI units; of `analyser/result` the values by name.
+
+        """
+        name = _known(topic)
+        return self._until(lambda: self._client.take(name, predicate), timeout, f'a message on {name} that fits')
+
+    def latest(self, topic: str) -> Any:
+        """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""
+        self._nodes.check()
+        return self._client.latest(_known(topic))
+
+    def pause(self) -> None:
+        """Let time stand still; when this returns, the last step has come through."""
+        self._wait_for_step_before(self._call('pause'))
+
+    def resume(self) -> None:
+        """Let time run again."""
+        self._call('resume')
+
+    def step(self, count: int = 1) -> None:
+        """Make some steps of a paused rig; when this returns, they have come through."""
+        self._set(steps=count)
+        self._wait_for_step_before(self._call('step'))
+
+    def set_rate(self, rate: float) -> None:
+        """Change simulated over wall seconds; 0: as fast as it can."""
+        self._set(rate=float(rate))
+
+    def reset(self) -> None:
+        """End the run under way and open the next, with a bag of its own.
+
+        When this returns, requests go to the new run, and nothing but the result is left of what the earlier one said.
+        """
+        run = self._call('reset').run
+        self._until(lambda: self._has_opened(run) or None, PATIENCE, f'run {run}')
+        self._client.forget_before(run)
+
+    def _has_opened(self, run: int) -> bool:
+        seen = dict(self._client.seen)
+        commanded = seen.pop(COMMAND.name)
+        return (
+            commanded is not None
+            and commanded.run >= run
+            and all(tick is not None and (tick.run, tick.end) >= (run - 1, True) for tick in seen.values())
+        )
+
+    def _wait_for_step_before(self, next_step: Tick) -> None:
+        def has_come() -> bool | None:
+            seen = list(self._client.seen.values())
+            return all(tick is not None and _is_through(tick, next_step) for tick in seen) or None
+
+        if next_step.step:
+            self._until(has_come, PATIENCE, f'the step before {next_step}')
+
+    def _ask(self, topic: str, value: float) -> None:
+        if 'operator' in self._roles and self._protocol != MANUAL:
+            raise UsageError(
+                f'{topic}: the operator carries out the protocol {self._protocol}; give protocol={MANUAL!r}'
+            )
+        self._until(lambda: self._client.is_heard(topic) or None, PATIENCE, f'somebody who takes {topic}')
+        self._client.ask(topic, value)
+
+    def _call(self, service: str) -> Tick:
+        """Call a service; return the number in its answer, or raise what else it says."""
+        answer = self._answer(self._served().call(service), f'an answer of jigsaw/{service}')
+        if not answer.success:
+            raise RigError(f'jigsaw/{service}: {answer.message}')
+        return Tick.parse(answer.message)
+
+    def _set(self, **values: float) -> None:
+        for result in self._answer(self._served().set_parameters(**values), 'an answer of the jigsaw').results:
+            if not result.successful:
+                raise UsageError(f'jigsaw: {result.reason}')
+
+    def _answer(self, future: Any, what: str) -> Any:
+        self._until(lambda: future.done() or None, PATIENCE, what)
+        return future.result()
+
+    def _served(self) -> Client:
+        self._until(lambda: self._client.is_served() or None, PATIENCE, 'a jigsaw that can be called')
+        return self._client
+
+    def _until(self, found: Callable[[], Any], timeout: float, what: str) -> Any:
+        """Call `found` whenever there is news, until it returns something else than None."""
+        deadline = time.monotonic() + timeout
+        ended = False
+        while True:
+            self._client.clear_news()
+            value = found()
+            if value is not None:
+                return value
+            if ended:
+                raise RigError(f'the session is over: {what} will not come')
+            left = deadline - time.monotonic()
+            if left <= 0 or math.isnan(left):
+                raise TimeoutError(f'{what} did not come within {timeout} s')
+            ended = self._nodes.wait(min(left, _LOOK_PERIOD), self._client.news)
+
+
+def _is_through(tick: Tick, next_step: Tick) -> bool:
+    """Whether a topic that is at a number has said all that comes before a step."""
+    return (tick.run, tick.step) >= (next_step.run, next_step.step - 1) or (tick.end and tick.run == next_step.run)
+
+
+def _known(topic: str) -> str:
+    name = topic.removeprefix('/')
+    if name not in TOPICS:
+        raise UsageError(f'topic {topic!r} is none of {", ".join(TOPICS)}')
+    return name

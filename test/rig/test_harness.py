@@ -1,0 +1,274 @@
+"""The rig in the hands of a Python program, and of a person who turns the knobs."""
+
+import contextlib
+import math
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from std_msgs.msg import Float64
+
+from kapitsa_ros.instruments.errors import RequestError
+from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.recording import topics
+from kapitsa_ros.recording.messages import decode_command
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig import Rig, RigError
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.experiment import replay_bags
+from kapitsa_ros.rig.offline import analyse_bags
+from kapitsa_ros.units import RPM
+
+pytestmark = pytest.mark.xdist_group('harness')
+
+
+@pytest.fixture(scope='module')
+def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
+    with Rig(instruments='ideal', bags=tmp_path_factory.mktemp('harness') / 'bags') as rig:
+        yield rig
+
+
+@pytest.fixture
+def lab(shared: Rig) -> Rig:
+    """The shared rig at the beginning of a run: reset makes it as good as new."""
+    shared.reset()
+    return shared
+
+
+@pytest.fixture
+def paused(lab: Rig) -> Iterator[Rig]:
+    lab.pause()
+    yield lab
+    lab.resume()
+
+
+def newest_bag(rig: Rig) -> Path:
+    return max(rig.bags.iterdir(), key=lambda path: int(path.name.split('_')[1]))
+
+
+def drain(rig: Rig, topic: str) -> int:
+    """Read what is there; return how many there were."""
+    count = 0
+    with contextlib.suppress(TimeoutError):
+        while rig.wait_for(topic, timeout=0) is not None:
+            count += 1
+    return count
+
+
+def timed(rig: Rig, rpm: float, angle: float) -> float:
+    """Return the period read after a release."""
+    rig.request_speed(rpm)
+    reading = rig.wait_for('strobe/reading', lambda reading: abs(reading.speed / RPM - rpm) < 1)
+    assert reading.speed == pytest.approx(rpm * RPM, rel=1e-8)
+    rig.release(angle)
+    reading = rig.wait_for('stopwatch/reading')
+    assert reading.kind == 'timed'
+    return reading.displayed / reading.swings
+
+
+def test_a_person_reads_the_nonlinear_truth(lab: Rig) -> None:
+    for rpm, angle in ((2500, 0.12), (2000, -0.2)):
+        truth = 2 * math.pi / slow_frequency_nonlinear(PlantParameters(), rpm * RPM, abs(angle))
+        assert timed(lab, rpm, angle) == pytest.approx(truth, rel=2e-3)
+
+
+def test_a_manual_run_is_replayed_to_the_same_digits(lab: Rig) -> None:
+    periods = [timed(lab, 2400, 0.1)]
+    lab.pause()
+    lab.resume()
+    periods.append(timed(lab, 2600, 0.1))
+    path = newest_bag(lab)
+    lab.reset()
+    number = RunBag(path).run.number
+    live = lab.wait_for('analyser/result', lambda result: f'run {number}' in result)[f'run {number}']
+    assert live['period_s'] == pytest.approx(sum(periods) / 2)
+    bag = RunBag(path)
+    assert bag.complete
+    assert bag.motion.gaps == 0
+    read, replayed = analyse_bags([path]), replay_bags([path], 0.0, lambda _: None)
+    del replayed['realtime_factor']
+    assert replayed == read
+    assert live.items() <= read['runs'][0].items()
+
+
+def test_a_reset_begins_anew(lab: Rig) -> None:
+    timed(lab, 2400, 0.1)
+    before = newest_bag(lab)
+    lab.reset()
+    assert lab.latest('stopwatch/reading') is None
+    first = lab.wait_for('pendulum/motion')
+    assert set(first.position) == {0.12}
+    assert set(lab.wait_for('jigsaw/pivot').rate) == {0.0}
+    assert RunBag(before).complete
+    assert timed(lab, 2400, 0.1) == pytest.approx(RunBag(before).run.period, abs=1e-3)
+    assert newest_bag(lab) != before
+
+
+def test_a_paused_rig_makes_the_steps_it_is_told(paused: Rig) -> None:
+    for name in ('jigsaw/pivot', 'pendulum/motion'):
+        drain(paused, name)
+    for count in (1, 3, 20):
+        paused.step(count)
+        assert [drain(paused, name) for name in ('jigsaw/pivot', 'pendulum/motion')] == [count, count]
+
+
+def test_what_a_time_that_runs_or_stands_cannot_do_is_said(lab: Rig) -> None:
+    for wrong, words in ((lab.step, 'pause it'), (lab.resume, 'nothing to resume')):
+        with pytest.raises(RigError, match=words):
+            wrong()
+    lab.pause()
+    with pytest.raises(RigError, match='paused already, before run'):
+        lab.pause()
+    lab.step(2)
+    lab.resume()
+    assert lab.wait_for('pendulum/motion') is not None
+
+
+def test_a_reset_while_time_stands_still(paused: Rig) -> None:
+    bag = newest_bag(paused)
+    paused.reset()
+    paused.reset()
+    assert drain(paused, 'pendulum/motion') == 0
+    paused.step()
+    assert drain(paused, 'pendulum/motion') == 1
+    assert RunBag(bag).complete
+
+
+def test_the_rate_can_be_changed(lab: Rig) -> None:
+    try:
+        lab.set_rate(2.0)
+        lab.wait_for('pendulum/motion', lambda _: drain(lab, 'pendulum/motion') == 0)
+        begun = time.monotonic()
+        for _ in range(20):
+            lab.wait_for('pendulum/motion')
+        assert time.monotonic() - begun > 0.9  # paced: never faster, whatever the machine does
+        for wrong in (math.nan, -1.0, 1e9):
+            with pytest.raises(UsageError, match='rate'):
+                lab.set_rate(wrong)
+    finally:
+        lab.set_rate(0)
+
+
+def test_requests_that_cannot_be_are_refused_before_they_are_sent(lab: Rig) -> None:
+    for rpm in (math.nan, math.inf, -1, 60_000):
+        with pytest.raises(RequestError, match='5000 RPM'):
+            lab.request_speed(rpm)
+    for angle in (math.nan, math.inf, 1.6):
+        with pytest.raises(RequestError, match='quarter turn'):
+            lab.release(angle)
+
+
+def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
+    """Nonsense among them is refused, what is left changes speeds, and the run is as good as any."""
+    context = Context()
+    with on_loopback():
+        rclpy.init(context=context, domain_id=lab.domain)
+    writers = [Node(f'writer_{number}', context=context) for number in range(2)]
+    refused: dict[str, int] = {}
+
+    def take_health(array: DiagnosticArray) -> None:
+        refused.update({s.name: int(pair.value) for s in array.status for pair in s.values if pair.key == 'refused'})
+
+    writers[0].create_subscription(DiagnosticArray, 'diagnostics', take_health, 10)
+    speeds = [writer.create_publisher(Float64, 'operator/speed', 10) for writer in writers]
+    angles = [writer.create_publisher(Float64, 'operator/release', 10) for writer in writers]
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(writers[0])
+
+    def spin_until(condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + 20
+        while not condition():
+            assert time.monotonic() < deadline
+            executor.spin_once(timeout_sec=0.1)
+
+    spin_until(lambda: all(publisher.get_subscription_count() for publisher in (*speeds, *angles)))
+    lab.request_speed(1000)
+    lab.wait_for('operator/command', lambda command: command.speed == 1000 * RPM)
+    nonsense = (math.nan, math.inf, -math.inf, -5.0, 1e308)
+    for count in range(1000):
+        for speed, angle in zip(speeds, angles, strict=True):
+            speed.publish(Float64(data=nonsense[count % 5] if count % 2 else 200.0 + count % 7))
+            angle.publish(Float64(data=nonsense[count % 3] if count % 2 else 0.01))
+    lab.request_speed(2500)
+    lab.wait_for('operator/command', lambda command: command.speed == 2500 * RPM)
+    assert timed(lab, 2450, 0.12) == pytest.approx(0.55, abs=0.1)
+    spin_until(lambda: refused.get('operator: health', 0) > 0)
+    executor.shutdown()
+    for writer in writers:
+        writer.destroy_node()
+    context.try_shutdown()
+    bag = newest_bag(lab)
+    lab.reset()
+    commands = [decode_command(raw) for _, _, raw in RunBag(bag).raw(topics.COMMAND.name)]
+    assert {command.speed for command in commands} <= {
+        0.0,
+        *(200.0 + n for n in range(7)),
+        *(rpm * RPM for rpm in (1000, 2450, 2500)),
+    }
+    assert {command.hold for command in commands} <= {None, 0.01, 0.12}
+    assert RunBag(bag).motion.gaps == 0
+
+
+@pytest.mark.parametrize(('role', 'topic'), [('operator', 'operator/command'), ('recorder', 'recorder/written')])
+def test_a_node_that_hangs_is_named_and_may_go_on(lab: Rig, role: str, topic: str) -> None:
+    lab._nodes[role].end(signal.SIGSTOP)
+    try:
+        assert lab._nodes['jigsaw'].wait_for_line(f'waits for {topic}', 10.0)
+    finally:
+        lab._nodes[role].end(signal.SIGCONT)
+    drain(lab, 'pendulum/motion')
+    assert timed(lab, 2400, 0.1) > 0.5
+    bag = newest_bag(lab)
+    lab.reset()
+    assert RunBag(bag).motion.gaps == 0
+
+
+def test_what_does_not_come_and_what_is_not_there(lab: Rig) -> None:
+    with pytest.raises(TimeoutError, match=r'stopwatch/reading that fits did not come within 0.2 s'):
+        lab.wait_for('stopwatch/reading', timeout=0.2)
+    with pytest.raises(UsageError, match='pendulum/angle'):
+        lab.wait_for('pendulum/angle')
+    with pytest.raises(UsageError, match='barometer'):
+        Rig(nodes=('jigsaw', 'barometer'))
+
+
+def test_a_death_is_told_at_once() -> None:
+    with Rig() as rig:
+        rig.wait_for('pendulum/motion')
+        pids = [rig._nodes[role].pid for role in topics.ROLES]
+        rig._nodes['stopwatch'].end(signal.SIGKILL)
+        with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):
+            rig.wait_for('stopwatch/reading', timeout=600)
+        with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):
+            rig.latest('pendulum/motion')
+    assert not [pid for pid in pids if Path(f'/proc/{pid}').exists()]
+    assert not rig.bags.exists()
+
+
+def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
+    """A protocol's run that was reset is done again, at the same speed."""
+    protocol = tmp_path / 'one.yaml'
+    protocol.write_text('speeds: [2240]')
+    with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=20) as one, Rig() as two:
+        assert one.domain != two.domain
+        one.wait_for('strobe/reading')
+        one.reset()
+        one.set_rate(0)
+        two.request_speed(2500)
+        one.wait_for('analyser/result', lambda result: 'experiment' in result)
+        with pytest.raises(UsageError, match='carries out the protocol'):
+            one.request_speed(2000)
+        assert two.wait_for('strobe/reading').speed == pytest.approx(2500 * RPM, abs=1.5)
+    bags = [RunBag(path) for path in sorted((tmp_path / 'A').iterdir())]
+    assert [bag.path.name for bag in bags] == ['run_01_2240rpm', 'run_02_2240rpm']
+    assert [bag.run.period is None for bag in bags] == [True, False]
+    assert all(bag.complete and not bag.motion.gaps for bag in bags)
