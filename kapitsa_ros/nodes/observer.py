@@ -101,7 +101,8 @@ class Observer:
 
         """
         with self._news:
-            if not self._news.wait(timeout):
+            known = self.progress
+            if not self._news.wait_for(lambda: self.progress is not known, timeout):
                 raise TimeoutError(f'no progress within {timeout} s')
             return self.progress
 

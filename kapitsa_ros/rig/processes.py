@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 GRACE = 2.0
 """Seconds between asking a node to end and ending it."""
+HASTE = 1.2
+"""The same after something went wrong: whoever waits for the rig wants to be told."""
 LAST_LINES = 20
 
 
@@ -116,7 +118,7 @@ class Nodes:
             for role in roles:
                 self._processes.append(NodeProcess(role, parameters, domain))
         except BaseException:
-            self.stop()
+            self.stop(HASTE)
             raise
 
     def __enter__(self) -> Self:
@@ -127,7 +129,7 @@ class Nodes:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop all."""
-        self.stop()
+        self.stop(GRACE if kind is None else HASTE)
 
     def __getitem__(self, role: str) -> NodeProcess:
         """Return the process of a role."""
@@ -179,12 +181,12 @@ class Nodes:
             select.select([*running, *news], [], [], timeout)
         return self.check()
 
-    def stop(self) -> None:
+    def stop(self, grace: float) -> None:
         """End every node: asked first, then made to."""
         for number in (signal.SIGCONT, signal.SIGINT):
             for process in self._processes:
                 process.end(number)
-        deadline = time.monotonic() + GRACE
+        deadline = time.monotonic() + grace
         for process in self._processes:
             select.select([process.pidfd], [], [], max(0.0, deadline - time.monotonic()))
             process.end(signal.SIGKILL)
