@@ -105,7 +105,8 @@ def is_silence(kind: str, raw: bytes) -> bool:
     """Whether a message of a type says nothing but its number."""
     (length,) = _LENGTH.unpack_from(raw, _TICK_AT - _LENGTH.size)
     head = _TICK_AT + length
-    return bool(len(raw) <= head + _aligned(head, 4) + len(_EMPTY_BODY[kind]))
+    size = head + _aligned(head, 4) + len(_EMPTY_BODY[kind])
+    return bool(len(raw) <= size + _aligned(size, 4))  # on its way a message is padded to whole words
 
 
 def encode_block(stamp_ns: int, tick: Tick, block: Block) -> bytes:

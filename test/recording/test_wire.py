@@ -80,6 +80,7 @@ def test_silence_is_an_empty_message(kind: str, tick: Tick) -> None:
     raw = encode_silence(kind, STAMP, tick)
     assert read_tick(raw) == tick
     assert is_silence(kind, raw)
+    assert is_silence(kind, raw + bytes(-len(raw) % 4)), 'padded as it arrives'
     assert stamp_of(raw) == STAMP
 
 
