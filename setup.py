@@ -81,6 +81,10 @@ setup(
         'dev': DEVELOPMENT,
         'all': [*REPORT, *CAMPAIGN, *BENCHMARKS, *DEVELOPMENT],
     },
-    entry_points={'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main']},
+    entry_points={
+        'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main'],
+        # The name equals the module path, so that `-p` and the entry point do not register it twice.
+        'pytest11': ['kapitsa_ros.rig.pytest_plugin = kapitsa_ros.rig.pytest_plugin'],
+    },
     zip_safe=False,
 )

@@ -52,7 +52,7 @@ class Stage(Node):
         super().__init__(name)
         expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
         self.expected = frozenset(expect or ())
-        unknown = self.expected - {*ROLES, 'player', 'observer'}
+        unknown = self.expected - {*ROLES, 'player', 'observer', 'client'}
         if unknown or not self.expected:
             raise SettingError(f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLES)}')
         self.finished = False
