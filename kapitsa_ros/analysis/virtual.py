@@ -12,10 +12,9 @@ from kapitsa_ros.instruments.operator import Command, Operator
 from kapitsa_ros.instruments.randomness import stream
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.strobe import Strobe
-from kapitsa_ros.physics.pivot import Jigsaw
+from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
-from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 
 _SAMPLE_RATE = 1000.0  # Hz
 _SPIN_UP = 200.0  # rad/s²
-_MAX_SPEED = 5000 * RPM
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +51,7 @@ class VirtualExperiment:
 
     def _run(self, number: int, speed: float) -> Run:
         clock = StepClock(round(self.step * SECOND))
-        jigsaw = Jigsaw(amplitude=self.plant.amplitude, spin_up=_SPIN_UP, max_speed=_MAX_SPEED)
+        jigsaw = Jigsaw(amplitude=self.plant.amplitude, spin_up=_SPIN_UP, max_speed=MAX_SPEED)
         pendulum = Pendulum(self.plant)
         strobe = Strobe(self.instruments.strobe, stream(self.seed, 'strobe', number))
         watch = Stopwatch(self.instruments.stopwatch, self.protocol.swings, stream(self.seed, 'stopwatch', number))

@@ -6,19 +6,15 @@ import contextlib
 import os
 import threading
 from collections import deque
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import rclpy
 from rcl_interfaces.srv import SetParameters
-from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
-from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
 from kapitsa_ros.nodes.qos import STREAM, message_class
+from kapitsa_ros.nodes.spectator import Spectator
 from kapitsa_ros.recording import messages, topics
 from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.wire import is_silence, read_tick
@@ -54,7 +50,7 @@ class _Message(NamedTuple):
     raw: bytes
 
 
-class Client:
+class Client(Spectator):
     """Listens to all numbered topics of a rig. A context: it listens while it lasts.
 
     Nothing here waits; `news` becomes readable whenever a message or an answer came.
@@ -74,9 +70,7 @@ class Client:
         self._newest: dict[str, _Message] = {}
         self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in FOLLOWED}
         self._lock = threading.Lock()
-        self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
-        self._node = Node(ROLE, context=self._context, start_parameter_services=False, enable_rosout=False)
+        super().__init__(ROLE, domain)
         for topic in (*topics.RECORDED, topics.WRITTEN):
             self._node.create_subscription(message_class(topic.type), topic.name, self._taker(topic), STREAM, raw=True)
         self._asks: dict[str, Publisher] = {
@@ -86,23 +80,12 @@ class Client:
             name: self._node.create_client(Trigger, f'jigsaw/{name}') for name in ('pause', 'resume', 'step', 'reset')
         }
         self._parameters = self._node.create_client(SetParameters, 'jigsaw/set_parameters')
-        self._executor = EventsExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._thread = threading.Thread(target=self._spin, daemon=True)
-
-    def __enter__(self) -> Self:
-        """Begin to listen."""
-        self._thread.start()
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop listening."""
-        self._context.try_shutdown()
-        self._thread.join()
-        self._executor.shutdown()
-        self._node.destroy_node()
+        super().__exit__(kind, error, trace)
         os.close(self.news)
 
     def clear_news(self) -> None:
@@ -165,13 +148,6 @@ class Client:
 
     def _tell(self) -> None:
         os.eventfd_write(self.news, 1)
-
-    def _spin(self) -> None:
-        try:
-            while self._context.ok():
-                self._executor.spin_once(timeout_sec=1.0)
-        except ExternalShutdownException:
-            pass
 
     def _taker(self, topic: topics.Topic) -> Callable[[bytes], None]:
         unread = self._unread[topic.name]

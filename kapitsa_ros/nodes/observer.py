@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import threading
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
-from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
 
 from kapitsa_ros.nodes.qos import STREAM, message_class
+from kapitsa_ros.nodes.spectator import Spectator
 from kapitsa_ros.physics.steps import ends_session
 from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.messages import decode_result
@@ -21,14 +17,13 @@ from kapitsa_ros.recording.wire import read_tick
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
 
 
 PROGRESS = ('jigsaw: progress', 'player: progress')
 """Names of the reports of those that own time; anybody may speak on `diagnostics`."""
 
 
-class Observer:
+class Observer(Spectator):
     """Keeps the newest progress and the newest results. A context: it listens while it lasts.
 
     Parameters
@@ -50,28 +45,9 @@ class Observer:
         self._ended = False
         self._news = threading.Condition()
         self._on_progress = on_progress
-        self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
-        self._node = Node('observer', context=self._context, start_parameter_services=False, enable_rosout=False)
+        super().__init__('observer', domain)
         self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
         self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
-        self._executor = EventsExecutor(context=self._context)
-        self._executor.add_node(self._node)
-        self._thread = threading.Thread(target=self._spin, daemon=True)
-
-    def __enter__(self) -> Self:
-        """Begin to listen."""
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Stop listening."""
-        self._context.try_shutdown()
-        self._thread.join()
-        self._executor.shutdown()
-        self._node.destroy_node()
 
     def wait_for_end(self, timeout: float = 5.0) -> None:
         """Wait until the last words of the analyser and of the owner of time have come.
@@ -105,13 +81,6 @@ class Observer:
             if not self._news.wait_for(lambda: self.progress is not known, timeout):
                 raise TimeoutError(f'no progress within {timeout} s')
             return self.progress
-
-    def _spin(self) -> None:
-        try:
-            while self._context.ok():
-                self._executor.spin_once(timeout_sec=0.2)
-        except ExternalShutdownException:
-            pass
 
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:
