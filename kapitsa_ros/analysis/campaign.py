@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import signal
 import time
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.reduction import Line
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.analysis.virtual import VirtualExperiment
-
-_CHUNK = 8  # experiments handed to a process at once
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,8 +109,14 @@ class Cores:
 
     def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
         """Apply a function to many seeds; outcomes come in the order of the seeds."""
-        with ProcessPoolExecutor(self.count) as pool:
-            yield from pool.map(function, seeds, chunksize=_CHUNK)
+        with ProcessPoolExecutor(self.count, initializer=_leave_interrupts_to_the_parent) as pool:
+            yield from pool.map(function, seeds)
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    # A terminal sends them to all; the parent stops the workers.
+    for number in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def perform_all(

@@ -16,8 +16,9 @@ from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.rig import commands
 from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.signals import Interrupt, interrupt_on_signals
 
-WRONG_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+WRONG_INPUT, FAILED = 2, 1
 
 
 class _Commands(click.Group):
@@ -41,6 +42,7 @@ def kapitsa() -> None:
 
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
+    interrupt_on_signals()
     try:
         kapitsa.main(prog_name='kapitsa', standalone_mode=False)
     except click.UsageError as error:
@@ -56,8 +58,8 @@ def main() -> None:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(FAILED)
         _leave(str(error), FAILED)
-    except (click.Abort, KeyboardInterrupt):
-        _leave('interrupted', INTERRUPTED)
+    except Interrupt as interrupt:
+        _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
 

@@ -11,7 +11,9 @@ from typing import Any
 
 import pytest
 
-ENVIRONMENT = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
+from kapitsa_ros.nodes.observer import Observer
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import on_loopback
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ def kapitsa() -> Callable[..., Answer]:
     def run(*arguments: object, env: dict[str, str] | None = None) -> Answer:
         command = [sys.executable, '-m', 'kapitsa_ros.rig', *map(str, arguments)]
         done = subprocess.run(
-            command, env=ENVIRONMENT | (env or {}), capture_output=True, text=True, timeout=120, check=False
+            command, env=os.environ | (env or {}), capture_output=True, text=True, timeout=120, check=False
         )
         return Answer(done.returncode, done.stdout, done.stderr)
 
@@ -45,6 +47,20 @@ def recorded(kapitsa: Callable[..., Answer], tmp_path_factory: pytest.TempPathFa
     """An experiment on the ideal plant with the instruments of 1997, seed 1: its folder and its JSON."""
     bags = tmp_path_factory.mktemp('recorded') / 'A'
     return bags, kapitsa('experiment', '--preset', 'ideal', '--seed', 1, '--bags', bags, '--json').json
+
+
+@pytest.fixture
+def domain() -> Iterator[int]:
+    with reserved_domain() as number:
+        yield number
+
+
+@pytest.fixture
+def observer(domain: int) -> Iterator[Observer]:
+    with on_loopback():
+        listening = Observer(domain)
+    with listening:
+        yield listening
 
 
 @pytest.fixture

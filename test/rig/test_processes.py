@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,6 @@ from rclpy.node import Node
 from kapitsa_ros.nodes.observer import Observer
 from kapitsa_ros.physics.parameters import load_preset
 from kapitsa_ros.recording.topics import RECORDED, ROLES, WRITTEN
-from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.processes import Nodes
@@ -31,20 +30,6 @@ Kapitsa = Callable[..., Any]
 Recorded = tuple[Path, dict[str, Any]]
 PATIENCE = 60.0
 pytestmark = pytest.mark.xdist_group('processes')
-
-
-@pytest.fixture
-def domain() -> Iterator[int]:
-    with reserved_domain() as number:
-        yield number
-
-
-@pytest.fixture
-def observer(domain: int) -> Iterator[Observer]:
-    with on_loopback():
-        listening = Observer(domain)
-    with listening:
-        yield listening
 
 
 def setup_of(bags: Path, *, rate: float = 0.0, preset: str = 'ideal') -> Setup:
@@ -72,16 +57,7 @@ def eventually(true: Callable[[], bool]) -> None:
 
 def children(pid: int) -> list[int]:
     """Return the processes a process has started."""
-    found = []
-    for entry in Path('/proc').iterdir():
-        if entry.name.isdecimal():
-            try:
-                parent = int((entry / 'stat').read_text().rpartition(')')[2].split()[1])
-            except OSError:
-                continue
-            if parent == pid:
-                found.append(int(entry.name))
-    return found
+    return [int(child) for child in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
 
 
 def permanently_dead() -> set[str]:
@@ -181,7 +157,7 @@ def test_whoever_is_missing_is_named(domain: int) -> None:
 SLOW_RECORDER = """
 import sys, time
 import kapitsa_ros.nodes.recorder as recorder
-from kapitsa_ros.nodes.__main__ import main
+from kapitsa_ros.nodes.process import main
 
 class Slow(recorder.RecorderNode):
     def accept(self, topic, tick, raw):
@@ -292,34 +268,6 @@ def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
         assert select.select([node], [], [], 10.0)[0], 'a node still runs'
         os.close(node)
     remove_dead_segments()  # those of the rig itself, which the next one would remove
-
-
-@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_every_node_with_status_0(
-    number: signal.Signals, domain: int, observer: Observer, tmp_path: Path
-) -> None:
-    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
-        observer.wait_for_progress(PATIENCE)
-        for role in ROLES:
-            nodes[role].end(number)
-        carry_out(nodes)
-        assert [nodes[role].status() for role in ROLES] == [0] * len(ROLES)
-        assert not [words for role in ROLES if 'Traceback' in (words := nodes[role].last_words())]
-
-
-def test_ctrl_c_ends_the_experiment_cleanly(tmp_path: Path) -> None:
-    command = [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '1', '--bags', str(tmp_path)]
-    environment = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
-    assert process.stderr is not None
-    assert next(line for line in process.stderr if 'run 1 of 3' in line)
-    nodes = children(process.pid)
-    process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert err.strip() == 'kapitsa: error: interrupted'
-    assert not [pid for pid in nodes if Path(f'/proc/{pid}').exists()]
-    assert all("complete: 'false'" in metadata.read_text() for metadata in tmp_path.glob('*/metadata.yaml'))
 
 
 def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_path: Path) -> None:

@@ -1,0 +1,96 @@
+"""One node as a process: it runs until its session is over or a signal comes."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import rclpy
+from rclpy._rclpy_pybind11 import (  # a params file that cannot be parsed has no public type
+    RCLError,
+    UnknownROSArgsError,
+)
+from rclpy.exceptions import NotInitializedException
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+
+from kapitsa_ros.nodes.errors import NodeError, SettingError
+from kapitsa_ros.nodes.signals import hold_signals_back, let_signals_through
+from kapitsa_ros.recording.errors import BagError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kapitsa_ros.nodes.stage import Stage
+
+ROLES = ('jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player')
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the node named first; what follows are ROS arguments. Return the exit status."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    if not arguments or arguments[0] not in ROLES:
+        given = repr(arguments[0]) if arguments else 'none'
+        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(ROLES)}', file=sys.stderr)
+        return 2
+    role = arguments[0]
+    create = import_module(f'kapitsa_ros.nodes.{role}').create
+    try:
+        _start(arguments)
+        _spin(create)
+    except SettingError as error:
+        print(f'{role}: error: {error}', file=sys.stderr)
+        return 2
+    except (NodeError, BagError, ValueError, OSError) as error:
+        print(f'{role}: error: {error}', file=sys.stderr)
+        return 1
+    except (ExternalShutdownException, NotInitializedException, RuntimeError):
+        # A signal shuts the context under whatever call is being made, and each complains in its own way.
+        if rclpy.ok():
+            raise
+    finally:
+        hold_signals_back()
+        rclpy.try_shutdown()
+    return 0
+
+
+def _start(arguments: list[str]) -> None:
+    """Hand the ROS arguments over; what rcl cannot parse is named in one line, and not in its own ten."""
+    for option, value in itertools.pairwise(arguments):
+        if option == '--params-file' and not Path(value).is_file():
+            raise SettingError(f'--params-file {value}: there is no such file')
+    hold_signals_back()
+    try:
+        rclpy.init(args=arguments)
+    except (RCLError, UnknownROSArgsError) as error:
+        raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
+    let_signals_through()
+
+
+def _spin(create: Callable[[], Stage]) -> None:
+    try:
+        node = create()
+    except RCLError as error:
+        if not rclpy.ok():
+            raise
+        domain = os.environ.get('ROS_DOMAIN_ID', 'unset')
+        raise SettingError(f'no node can be made, ROS_DOMAIN_ID is {domain}: {str(error).splitlines()[0]}') from error
+    executor = EventsExecutor()
+    executor.add_node(node)
+    try:
+        # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
+        while not node.finished and rclpy.ok() and _rig_is_there():
+            executor.spin_once(timeout_sec=node.poll())
+    finally:
+        node.close()
+        executor.shutdown()
+        node.destroy_node()
+
+
+def _rig_is_there() -> bool:
+    """Whether the process that started this one as part of a rig, if one did, still runs."""
+    return os.environ.get('KAPITSA_RIG_PID', str(os.getppid())) == str(os.getppid())
