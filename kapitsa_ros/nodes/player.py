@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.nodes.errors import SettingError
+from kapitsa_ros.nodes.film import Film
 from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import LATCHED, message_class
 from kapitsa_ros.nodes.stage import DRAIN, IDLE, Stage
-from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle
+from kapitsa_ros.nodes.view import REPORT_PERIOD, ClockFace, Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, WireError
+from kapitsa_ros.recording.messages import decode_samples
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.wire import read_tick
 
@@ -46,6 +49,7 @@ class PlayerNode(Stage):
             for node in self._bags[0].settings_texts
         }
         self._report = Throttle(REPORT_PERIOD)
+        self._clock_face, self._film = ClockFace(self), Film(self)
         self._under_way: deque[Tick] = deque()
         self._playing = self._bags[0]
         self._steps = self._play()
@@ -76,6 +80,9 @@ class PlayerNode(Stage):
                 elif tick.end:
                     self.emit_silence(topic, tick, stamp)
             self._under_way.append(tick)
+            self._clock_face.show(stamp)
+            if not tick.end and self._film.wants():
+                self._film_step(stamp, messages)
             self._pace.count(stamp / SECOND)
             if self._report.due() or tick.end:
                 self.diagnostics.publish(progress_message('player', tick, stamp, self._pace))
@@ -84,6 +91,14 @@ class PlayerNode(Stage):
             else:
                 self._next = next(self._steps)
         return IDLE
+
+    def poll(self) -> float:
+        """Do what is due, and show viewers what is."""
+        return min(super().poll(), self._film.show())
+
+    def _film_step(self, stamp: int, messages: dict[str, bytes]) -> None:
+        with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
+            self._film.take(stamp, *(decode_samples(messages[topic.name]) for topic in (topics.PIVOT, topics.MOTION)))
 
     def _play(self) -> Iterator[tuple[Tick, int, dict[str, bytes]]]:
         """Yield number, stamp and messages of every step of every bag; then the end of the session."""
