@@ -8,37 +8,28 @@ about as fast as frames come, and a viewer sees it as under a strobe; only a slo
 from __future__ import annotations
 
 import math
-import time
 from collections import deque
 from typing import TYPE_CHECKING, NamedTuple
 
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
-
-from kapitsa_ros.nodes.qos import VIEW
-from kapitsa_ros.nodes.view import PERIOD, to_time
+from kapitsa_ros.nodes.view import PERIOD
 from kapitsa_ros.physics.steps import SECOND
 
 if TYPE_CHECKING:
-    from rclpy.node import Node
-
     from kapitsa_ros.physics.samples import Samples
 
 FRAME = 1 / 60
 """Least seconds of wall time between two frames of a block."""
 SLOWEST = 3.0
-"""Seconds of wall time: a block that comes later than this was made by hand or after a pause; its end is shown at once."""
-JOINTS = ['pivot', 'pendulum']
+"""Seconds of wall time: a block that comes later was made by hand or after a pause, and its end is shown at once."""
 
 
 class Frame(NamedTuple):
-    """One state of the joints."""
+    """One state of the joints, `pivot` (m) and `pendulum` (rad)."""
 
     due: float
-    """Steady clock, s."""
+    """Wall time, s."""
     stamp_ns: int
     position: tuple[float, float]
-    """y (m), θ (rad)."""
     velocity: tuple[float, float]
 
 
@@ -60,20 +51,21 @@ def frame_count(intervals: int, gap: float) -> int:
 
 
 class Film:
-    """Publishes `joint_states` and holds nobody up: what is not shown when the next block comes is left out."""
+    """Holds the frames of the newest block; what is not shown when the next one comes is left out.
 
-    def __init__(self, node: Node) -> None:
-        self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
+    Wall time (`now`) is that of a steady clock, s.
+    """
+
+    def __init__(self) -> None:
         self._frames: deque[Frame] = deque()
         self._since = -math.inf
 
-    def wants(self) -> bool:
+    def wants(self, now: float) -> bool:
         """Whether a viewer could use another block by now."""
-        return time.monotonic() - self._since >= PERIOD
+        return now - self._since >= PERIOD
 
-    def take(self, stamp_ns: int, pivot: Samples, motion: Samples) -> None:
+    def take(self, now: float, stamp_ns: int, pivot: Samples, motion: Samples) -> None:
         """Cut a block that begins at a stamp into frames."""
-        now = time.monotonic()
         gap = now - self._since
         self._since = now
         intervals = motion.position.size - 1
@@ -92,19 +84,13 @@ class Film:
                 )
             )
 
-    def show(self) -> float:
-        """Publish the newest frame that is due; return the seconds until the next one."""
-        now = time.monotonic()
+    def due(self, now: float) -> Frame | None:
+        """Return the newest frame that is due and was not returned yet."""
         newest = None
         while self._frames and self._frames[0].due <= now:
             newest = self._frames.popleft()
-        if newest is not None:
-            self._publisher.publish(
-                JointState(
-                    header=Header(stamp=to_time(newest.stamp_ns)),
-                    name=JOINTS,
-                    position=newest.position,
-                    velocity=newest.velocity,
-                )
-            )
+        return newest
+
+    def wait(self, now: float) -> float:
+        """Return the seconds until the next frame is due."""
         return self._frames[0].due - now if self._frames else math.inf

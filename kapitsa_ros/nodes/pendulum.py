@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.nodes.film import Film
 from kapitsa_ros.nodes.parameters import declare_plant, settings_text
+from kapitsa_ros.nodes.screen import Screen
 from kapitsa_ros.nodes.stage import JoinedStage
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
@@ -35,7 +35,7 @@ class PendulumNode(JoinedStage):
             self, *(field.name for field in fields(PlantParameters) if field.name != 'amplitude')
         )
         self._pendulum = Pendulum(self._plant)
-        self._film = Film(self)
+        self._screen = Screen(self)
         self.latch_settings(settings_text('pendulum', plant=self._plant))
 
     def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
@@ -51,12 +51,11 @@ class PendulumNode(JoinedStage):
         shaken = decode_samples(pivot)
         motion = self._pendulum.advance(shaken)
         self.emit(topics.MOTION, encode_samples(stamp_of(pivot), tick, 'pendulum', motion))
-        if self._film.wants():
-            self._film.take(stamp_of(pivot), shaken, motion)
+        self._screen.offer(stamp_of(pivot), lambda: (shaken, motion))
 
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
-        return min(super().poll(), self._film.show())
+        return min(super().poll(), self._screen.refresh())
 
 
 create = PendulumNode
