@@ -24,6 +24,7 @@ CORE = [
     'pint>=0.22',
     'pyyaml>=6.0',
     'rich>=13.0',
+    'ros-ament-index-python>=1.8',
     'ros-jazzy-common-interfaces>=5.3',
     'ros-jazzy-domain-coordinator>=0.12',
     'ros-jazzy-rclpy[fastrtps]>=7.1',

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -10,7 +10,8 @@ from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.roster import Setup, parameters
-from launch import LaunchContext, LaunchDescription
+from kapitsa_ros.rig.viewers import VIEWERS
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 ARGUMENTS = {
     'preset': ('ideal', 'the plant', list(PRESETS)),
@@ -19,11 +20,12 @@ ARGUMENTS = {
     'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
     'seed': ('1', 'of all chance', None),
     'bags': ('runs', 'folder in which each run gets a bag', None),
+    'viewer': ('none', 'what shows the rig, if its package is installed', list(VIEWERS)),
 }
 
 
-def nodes(context: LaunchContext) -> list[Node]:
-    """Start the roles of the roster with what the arguments say."""
+def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Start the viewer and the roles of the roster with what the arguments say."""
     said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     setup = Setup(
         plant=load_preset(said['preset']),
@@ -34,9 +36,21 @@ def nodes(context: LaunchContext) -> list[Node]:
         bags=Path(said['bags']),
     )
     told = parameters(setup)
+    # First, so that nothing has started when its package is missing.
+    viewer = IncludeLaunchDescription(
+        str(Path(__file__).with_name('viewer.launch.py')),
+        launch_arguments={
+            'viewer': said['viewer'],
+            'length': str(setup.plant.length),
+            'amplitude': str(setup.plant.amplitude),
+        }.items(),
+    )
     return [
-        Node(package='kapitsa_ros', executable=role, name=role, parameters=[told], output='screen')
-        for role in setup.roles
+        viewer,
+        *(
+            Node(package='kapitsa_ros', executable=role, name=role, parameters=[told], output='screen')
+            for role in setup.roles
+        ),
     ]
 
 

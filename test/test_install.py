@@ -47,8 +47,10 @@ def test_executables_are_where_ros2_run_looks(index: Path) -> None:
 
 def test_share_holds_what_launch_and_params_need(index: Path) -> None:
     share = index / 'share' / 'kapitsa_ros'
-    for name in ('package.xml', 'config/presets/ideal.yaml', 'config/loopback.xml', 'launch/rig.launch.py'):
+    for name in ('package.xml', 'config/presets/ideal.yaml', 'config/loopback.xml', 'config/viewers/kapitsa.rviz'):
         assert (share / name).is_file()
+    launch = {path.name for path in (CHECKOUT / 'launch').glob('*.launch.py')}
+    assert {path.name for path in (share / 'launch').glob('*.launch.py')} == launch >= {'rig.launch.py'}
 
 
 @pytest.mark.parametrize('role', ['jigsaw', 'analyser'])

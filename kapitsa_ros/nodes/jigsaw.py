@@ -10,16 +10,13 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from rosgraph_msgs.msg import Clock
-
 from kapitsa_ros.nodes.delay import Delay
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
 from kapitsa_ros.nodes.progress import progress_message
-from kapitsa_ros.nodes.qos import VIEW
 from kapitsa_ros.nodes.stage import IDLE, Stage
 from kapitsa_ros.nodes.time_control import TimeControl
-from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle, to_time
+from kapitsa_ros.nodes.view import REPORT_PERIOD, ClockFace, Throttle
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
 from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
@@ -64,8 +61,8 @@ class JigsawNode(Stage):
         self._delay = Delay(self)
         self._cut_short = 0
         """The last run that a reset has ended; its operator may be ahead of the news."""
-        self._view = self.create_publisher(Clock, '/clock', VIEW)
-        self._show, self._report = Throttle(), Throttle(REPORT_PERIOD)
+        self._clock_face = ClockFace(self)
+        self._report = Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
                 'jigsaw',
@@ -166,8 +163,7 @@ class JigsawNode(Stage):
     def _tell(self, tick: Tick, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
         self._time.count(stamp / SECOND)
-        if self._show.due():
-            self._view.publish(Clock(clock=to_time(stamp)))
+        self._clock_face.show(stamp)
         if self._report.due() or tick.end:
             self.diagnostics.publish(progress_message('jigsaw', tick, stamp, self._time.pace))
 

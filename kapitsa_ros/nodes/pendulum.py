@@ -6,17 +6,13 @@ from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sensor_msgs.msg import JointState
-from std_msgs.msg import Header
 
 from kapitsa_ros.nodes.parameters import declare_plant, settings_text
-from kapitsa_ros.nodes.qos import VIEW
+from kapitsa_ros.nodes.screen import Screen
 from kapitsa_ros.nodes.stage import JoinedStage
-from kapitsa_ros.nodes.view import Throttle, to_time
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.samples import Samples
-from kapitsa_ros.physics.steps import SECOND
 from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command, decode_samples, encode_samples
 from kapitsa_ros.recording.wire import stamp_of
@@ -39,8 +35,7 @@ class PendulumNode(JoinedStage):
             self, *(field.name for field in fields(PlantParameters) if field.name != 'amplitude')
         )
         self._pendulum = Pendulum(self._plant)
-        self._view = self.create_publisher(JointState, 'joint_states', VIEW)
-        self._throttle = Throttle()
+        self._screen = Screen(self)
         self.latch_settings(settings_text('pendulum', plant=self._plant))
 
     def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
@@ -56,18 +51,11 @@ class PendulumNode(JoinedStage):
         shaken = decode_samples(pivot)
         motion = self._pendulum.advance(shaken)
         self.emit(topics.MOTION, encode_samples(stamp_of(pivot), tick, 'pendulum', motion))
-        if self._throttle.due():
-            self._show(stamp_of(pivot) + round(motion.duration * SECOND), shaken, motion)
+        self._screen.offer(stamp_of(pivot), lambda: (shaken, motion))
 
-    def _show(self, stamp: int, pivot: Samples, motion: Samples) -> None:
-        self._view.publish(
-            JointState(
-                header=Header(stamp=to_time(stamp)),
-                name=['pivot', 'pendulum'],
-                position=[float(pivot.position[-1]), float(motion.position[-1])],
-                velocity=[float(pivot.rate[-1]), float(motion.rate[-1])],
-            )
-        )
+    def poll(self) -> float:
+        """Do what is due, and show viewers what is."""
+        return min(super().poll(), self._screen.refresh())
 
 
 create = PendulumNode

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,11 +13,13 @@ from kapitsa_ros.nodes.pace import Pace
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import LATCHED, message_class
+from kapitsa_ros.nodes.screen import Screen
 from kapitsa_ros.nodes.stage import DRAIN, IDLE, Stage
-from kapitsa_ros.nodes.view import REPORT_PERIOD, Throttle
+from kapitsa_ros.nodes.view import REPORT_PERIOD, ClockFace, Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, WireError
+from kapitsa_ros.recording.messages import decode_samples
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.wire import read_tick
 
@@ -46,6 +49,7 @@ class PlayerNode(Stage):
             for node in self._bags[0].settings_texts
         }
         self._report = Throttle(REPORT_PERIOD)
+        self._clock_face, self._screen = ClockFace(self), Screen(self)
         self._under_way: deque[Tick] = deque()
         self._playing = self._bags[0]
         self._steps = self._play()
@@ -76,6 +80,7 @@ class PlayerNode(Stage):
                 elif tick.end:
                     self.emit_silence(topic, tick, stamp)
             self._under_way.append(tick)
+            self._show(tick, stamp, messages)
             self._pace.count(stamp / SECOND)
             if self._report.due() or tick.end:
                 self.diagnostics.publish(progress_message('player', tick, stamp, self._pace))
@@ -84,6 +89,17 @@ class PlayerNode(Stage):
             else:
                 self._next = next(self._steps)
         return IDLE
+
+    def poll(self) -> float:
+        """Do what is due, and show viewers what is."""
+        return min(super().poll(), self._screen.refresh())
+
+    def _show(self, tick: Tick, stamp: int, messages: dict[str, bytes]) -> None:
+        self._clock_face.show(stamp)
+        if not tick.end:
+            with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
+                pivot, motion = messages[topics.PIVOT.name], messages[topics.MOTION.name]
+                self._screen.offer(stamp, lambda: (decode_samples(pivot), decode_samples(motion)))
 
     def _play(self) -> Iterator[tuple[Tick, int, dict[str, bytes]]]:
         """Yield number, stamp and messages of every step of every bag; then the end of the session."""

@@ -1,0 +1,94 @@
+"""Programs that show the rig, all of them optional: what launch files start for `viewer:=NAME`."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ament_index_python.packages import PackageNotFoundError, get_package_prefix
+
+from kapitsa_ros.recording.topics import RECORDED
+from kapitsa_ros.rig.description import urdf
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.share import share_path
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.parameters import PlantParameters
+
+VIEWERS = ('none', 'rviz', 'plotjuggler', 'foxglove')
+
+
+@dataclass(frozen=True)
+class Program:
+    """A ROS executable of another package."""
+
+    package: str
+    executable: str
+    arguments: tuple[str, ...] = ()
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+def programs(viewer: str, plant: PlantParameters) -> list[Program]:
+    """Return what to start so that a viewer shows a rig with this plant.
+
+    Raises
+    ------
+    UsageError
+        There is no such viewer, or a package it needs is not installed.
+
+    """
+    if viewer not in VIEWERS:
+        raise UsageError(f'viewer {viewer!r} is unknown: choose one of {", ".join(VIEWERS)}')
+    needed = {
+        'none': (),
+        'rviz': ('robot_state_publisher', 'rviz2'),
+        'plotjuggler': ('plotjuggler', 'plotjuggler_ros'),
+        'foxglove': ('robot_state_publisher', 'foxglove_bridge'),
+    }[viewer]
+    missing = [package for package in needed if not _is_installed(package)]
+    if missing:
+        names = ' '.join(
+            f'ros-{os.environ.get("ROS_DISTRO", "jazzy")}-{package.replace("_", "-")}' for package in missing
+        )
+        raise UsageError(f'viewer {viewer} needs {" and ".join(missing)}: sudo apt install {names}')
+    if viewer == 'rviz':
+        config = str(share_path('config', 'viewers', 'kapitsa.rviz'))
+        return [_state_publisher(plant), Program('rviz2', 'rviz2', ('-d', config), {'use_sim_time': True})]
+    if viewer == 'plotjuggler':
+        layout = str(share_path('config', 'viewers', 'plotjuggler.xml'))
+        return [Program('plotjuggler', 'plotjuggler', ('--layout', layout))]
+    if viewer == 'foxglove':
+        return [_state_publisher(plant), _bridge()]
+    return []
+
+
+def _state_publisher(plant: PlantParameters) -> Program:
+    """Return the node that turns joint states into frames; it takes each that comes, however slow the rig."""
+    return Program(
+        'robot_state_publisher',
+        'robot_state_publisher',
+        parameters={'robot_description': urdf(plant), 'publish_frequency': 1000.0, 'use_sim_time': True},
+    )
+
+
+def _bridge() -> Program:
+    """Return Foxglove's bridge: open to this machine alone, and of no weight to the rig when it falls behind."""
+    return Program(
+        'foxglove_bridge',
+        'foxglove_bridge',
+        parameters={
+            'address': '127.0.0.1',
+            'port': 8765,
+            'use_sim_time': True,
+            'best_effort_qos_topic_whitelist': [f'/{topic.name}' for topic in RECORDED],
+        },
+    )
+
+
+def _is_installed(package: str) -> bool:
+    try:
+        get_package_prefix(package)
+    except PackageNotFoundError:
+        return False
+    return True
