@@ -3,6 +3,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from truth import ENTRIES, matching_digits, plant_of, speed_of
@@ -95,6 +97,22 @@ def test_thresholds_part_stable_from_unstable(plant):
     else:
         assert theory.is_stable(plant, upper * (1 - 1e-9))
         assert not theory.is_stable(plant, upper * (1 + 1e-9))
+
+
+@given(
+    length=st.floats(0.02, 2.0),
+    slenderness=st.floats(0.003, 0.9),
+    gravity=st.floats(0.1, 100.0),
+    damping=st.one_of(st.just(0.0), st.floats(-15.0, 2.5).map(lambda power: 10**power)),
+)
+def test_thresholds_part_stable_from_unstable_whatever_the_rod(length, slenderness, gravity, damping):
+    plant = PlantParameters(length=length, amplitude=slenderness * length, gravity=gravity, damping=damping)
+    lower, upper = theory.omega_crit_exact(plant), theory.omega_crit_upper(plant)
+    assert theory.growth_rate(plant, lower * (1 - 1e-4)) > 0
+    assert theory.growth_rate(plant, lower * (1 + 1e-4)) <= 0
+    if upper is not None:
+        assert theory.growth_rate(plant, upper * (1 - 1e-4)) <= 0
+        assert theory.growth_rate(plant, upper * (1 + 1e-4)) > 0
 
 
 def test_damping_moves_the_threshold_as_the_next_order_says():

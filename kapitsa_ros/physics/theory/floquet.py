@@ -36,7 +36,8 @@ def omega_crit_exact(plant: PlantParameters) -> float:
     further = 1.1 * undamped
     while excess(further) <= 0:
         further *= 1.1
-    return 1.0 / float(brentq(excess, undamped, further, xtol=1e-300, rtol=_TOLERANCE))
+    # From within the stable side: where damping is slight, rounding decides the sign at the undamped threshold.
+    return 1.0 / float(brentq(excess, 0.99 * undamped, further, xtol=1e-300, rtol=_TOLERANCE))
 
 
 def omega_crit_upper(plant: PlantParameters) -> float | None:
@@ -64,7 +65,8 @@ def omega_crit_upper(plant: PlantParameters) -> float | None:
     unstable = next((s for s in np.linspace(slowest, fastest, 200)[1:] if excess(s) < 0), None)
     if unstable is None:
         return None
-    return 1.0 / float(brentq(excess, unstable, slowest, xtol=1e-300, rtol=_TOLERANCE))
+    stable = slowest - 0.01 * (fastest - slowest)
+    return 1.0 / float(brentq(excess, unstable, stable, xtol=1e-300, rtol=_TOLERANCE))
 
 
 def slow_frequency_exact(plant: PlantParameters, speed: float) -> float | None:
