@@ -22,6 +22,7 @@ class Pace:
         """How often time was given up."""
         self.simulated = 0.0
         """Seconds from the first step to the last, over all runs."""
+        self._steps = 0
         self._origin: tuple[float, float] | None = None
         self._first: float | None = None
         self._last = self._newest = 0.0
@@ -57,6 +58,7 @@ class Pace:
     def count(self, simulated: float) -> None:
         """Note that a step that starts at `simulated` seconds is emitted now."""
         self._last = time.monotonic()
+        self._steps += 1
         if self._first is None:
             self._first = self._last
         elif 0 < simulated - self._newest < NEXT_RUN:
@@ -66,5 +68,13 @@ class Pace:
     @property
     def realtime_factor(self) -> float:
         """Simulated over wall seconds from the first step to the last."""
-        wall = self._last - self._first if self._first is not None else 0.0
-        return self.simulated / wall if wall > 0 else 0.0
+        return self.simulated / self._wall if self._wall > 0 else 0.0
+
+    @property
+    def step_rate(self) -> float:
+        """Steps a wall second, from the first to the last."""
+        return (self._steps - 1) / self._wall if self._wall > 0 else 0.0
+
+    @property
+    def _wall(self) -> float:
+        return self._last - self._first if self._first is not None else 0.0

@@ -56,14 +56,14 @@ class Peers:
             )
         return self.matched
 
-    def readers(self, topic: Topic) -> list[str]:
+    def readers(self, topic: str) -> list[str]:
         """Return the names of the nodes that read a topic."""
-        return sorted(info.node_name for info in self._node.get_subscriptions_info_by_topic(topic.name))
+        return sorted(info.node_name for info in self._node.get_subscriptions_info_by_topic(topic))
 
     def _missing(self) -> set[str]:
         missing: set[str] = set()
         for topic, wanted in self._writes.items():
-            missing |= wanted - set(self.readers(topic))
+            missing |= wanted - set(self.readers(topic.name))
         for topic in self._reads:
             if not self._node.get_publishers_info_by_topic(topic.name):
                 missing.add(topic.writer)

@@ -14,7 +14,7 @@ from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.progress import progress_message
 from kapitsa_ros.nodes.qos import LATCHED, message_class
 from kapitsa_ros.nodes.screen import Screen
-from kapitsa_ros.nodes.stage import DRAIN, IDLE, Stage
+from kapitsa_ros.nodes.stage import IDLE, Stage
 from kapitsa_ros.nodes.view import REPORT_PERIOD, ClockFace, Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording import topics
@@ -119,7 +119,7 @@ class PlayerNode(Stage):
     def _latch(self, bag: RunBag) -> None:
         for node, publisher in self._latched.items():
             publisher.publish(self._text(data=bag.settings_texts[node]))
-            publisher.wait_for_all_acked(DRAIN)
+            self.wait_until_taken(publisher)
 
 
 create = PlayerNode

@@ -85,6 +85,9 @@ def _spin(create: Callable[[], Stage]) -> None:
         # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
         while not node.finished and rclpy.ok() and _rig_is_there():
             executor.spin_once(timeout_sec=node.poll())
+    except (NodeError, BagError, ValueError, OSError) as error:
+        node.fail(error)
+        raise
     finally:
         node.close()
         executor.shutdown()

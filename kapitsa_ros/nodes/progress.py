@@ -22,6 +22,7 @@ def progress_message(node: str, tick: Tick, stamp_ns: int, pace: Pace) -> Diagno
         'step': tick.step,
         'simulated_s': pace.simulated,
         'realtime_factor': pace.realtime_factor,
+        'step_rate_hz': pace.step_rate,
         'deadline_misses': pace.misses,
         'session_over': ends_session(tick),
     }
@@ -33,6 +34,11 @@ def health_message(node: str, stamp_ns: int, refused: int, held_up: int) -> Diag
     values = {'refused': refused, 'held_up': held_up}
     level, text = (DiagnosticStatus.WARN, 'see the log') if refused or held_up else (DiagnosticStatus.OK, 'well')
     return _array(f'{node}: health', stamp_ns, level, text, values)
+
+
+def failure_message(node: str, stamp_ns: int, why: str) -> DiagnosticArray:
+    """Return why a node ends; a gap in its input is such a reason."""
+    return _array(f'{node}: health', stamp_ns, DiagnosticStatus.ERROR, why, {})
 
 
 def _array(name: str, stamp_ns: int, level: bytes, text: str, values: dict[str, Any]) -> DiagnosticArray:

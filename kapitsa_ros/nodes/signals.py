@@ -20,9 +20,10 @@ def leave_on_signals() -> None:
 def hold_signals_back() -> None:
     """Let signals wait, as while rclpy begins to listen and once it no longer does."""
     signal.pthread_sigmask(signal.SIG_BLOCK, _HEEDED)
-    # rclpy passes a signal on to the handler it found, which would end the node in the middle of its shutdown.
+    # rclpy passes a signal on to the handler it found, and puts it back when it is done: from now on that does nothing,
+    # neither in the middle of the shutdown nor, where a signal comes twice, on the way out.
     for number in _RCLPY_HEEDS:
-        signal.signal(number, signal.SIG_DFL)
+        signal.signal(number, lambda *_: None)
 
 
 def let_signals_through() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING
 
@@ -11,11 +12,11 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from kapitsa_ros.nodes.errors import NodeError, SettingError
+from kapitsa_ros.nodes.errors import SettingError
 from kapitsa_ros.nodes.join import Join
 from kapitsa_ros.nodes.parameters import declare
 from kapitsa_ros.nodes.peers import Peers
-from kapitsa_ros.nodes.progress import health_message
+from kapitsa_ros.nodes.progress import failure_message, health_message
 from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
 from kapitsa_ros.nodes.view import Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
@@ -26,14 +27,18 @@ from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rclpy.publisher import Publisher
+
 IDLE = 1.0
 """Seconds between two looks around when only messages give work."""
 LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
 HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
-DRAIN = Duration(seconds=3)
-"""How long a node that has finished waits for its last messages to be taken."""
+GRACE = 3.0
+"""Seconds for which messages are waited for to be taken before it is said."""
+PARTING = Duration(nanoseconds=200_000_000)
+"""How long words are waited for that nobody depends on."""
 
 
 class Stage(Node):
@@ -103,12 +108,8 @@ class Stage(Node):
                 if not self.context.ok():
                     raise ExternalShutdownException from None
                 if not said:
-                    readers = ', '.join(self._peers.readers(topic))
-                    self.get_logger().warning(
-                        f'{topic.name} is full: waiting for a reader that has stopped ({readers})'
-                    )
+                    self._say_held_up(topic.name, 'is full')
                     said = True
-                    self._held_up += 1
                 time.sleep(0.01)
             else:
                 return
@@ -123,10 +124,24 @@ class Stage(Node):
         self.get_logger().warning(f'refused: {why} ({self._refused} so far)', throttle_duration_sec=5.0)
 
     def finish(self) -> None:
-        """Leave once the last messages have been taken by their readers."""
-        for publisher in self.publishers:
-            publisher.wait_for_all_acked(DRAIN)
+        """Leave once the last messages have been taken by their readers; one that is gone, DDS gives up in time."""
+        for publisher in self._out.values():
+            self.wait_until_taken(publisher)
+        self.diagnostics.wait_for_all_acked(PARTING)
         self.finished = True
+
+    def wait_until_taken(self, publisher: Publisher) -> None:
+        """Wait for the readers of a topic to take all that was published, or for DDS to give them up."""
+        patience = time.monotonic() + GRACE
+        while self.context.ok() and not publisher.wait_for_all_acked(PARTING):
+            if time.monotonic() > patience:
+                self._say_held_up(publisher.topic_name, 'has not been taken')
+                patience = math.inf
+
+    def fail(self, error: Exception) -> None:
+        """Tell whoever watches `diagnostics` why this node ends."""
+        self.diagnostics.publish(failure_message(self.get_name(), self.get_clock().now().nanoseconds, str(error)))
+        self.diagnostics.wait_for_all_acked(PARTING)
 
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""
@@ -137,26 +152,30 @@ class Stage(Node):
             self.diagnostics.publish(health_message(self.get_name(), now, self._refused, self._held_up))
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
+    def _say_held_up(self, topic: str, how: str) -> None:
+        readers = ', '.join(self._peers.readers(topic))
+        self.get_logger().warning(f'{topic} {how}: waiting for a reader that has stopped ({readers})')
+        self._held_up += 1
+
     def _taker(self, name: str) -> Callable[[bytes], None]:
         def take(raw: bytes) -> None:
             try:
-                fresh = self.accept(name, read_tick(raw), raw)
-            except WireError as error:
-                self.refuse(f'{name}: {error}')
-                return
-            except NodeError as error:
+                self._take(name, raw)
+            except Exception as error:  # noqa: BLE001  # thrown through the executor it would lose its type
                 self._failure = error
-                return
-            if not fresh:
-                self.refuse(f'a step of {name} that was there before')
-            elif self._peers.matched:
-                try:
-                    self.advance()
-                except (NodeError, ValueError, OSError) as error:
-                    # An exception thrown through the executor would lose its type on the way.
-                    self._failure = error
 
         return take
+
+    def _take(self, name: str, raw: bytes) -> None:
+        try:
+            fresh = self.accept(name, read_tick(raw), raw)
+        except WireError as error:
+            self.refuse(f'{name}: {error}')
+            return
+        if not fresh:
+            self.refuse(f'a step of {name} that was there before')
+        elif self._peers.matched:
+            self.advance()
 
 
 class JoinedStage(Stage):

@@ -17,6 +17,11 @@ def run_name(number: int, speed: float) -> str:
     return f'run_{number:02d}_{round(speed / RPM)}rpm'
 
 
+def run_number(bag: Path) -> int:
+    """Return the number in the name of a run's bag."""
+    return int(bag.name.split('_')[1])
+
+
 def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
     """Check that none of an experiment's runs is there already.
 

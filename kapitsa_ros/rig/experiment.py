@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.nodes.observer import Observer
 from kapitsa_ros.physics.pivot import MAX_SPEED
-from kapitsa_ros.recording.naming import refuse_existing, run_name
+from kapitsa_ros.recording.naming import refuse_existing, run_number
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
@@ -56,8 +56,10 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
             )
     refuse_existing(setup.bags, protocol.speeds)
     _make_writable(setup.bags)
+    others = set(setup.bags.glob('run_*'))
     seen = _watch(setup.roles, parameters(setup), on_progress)
-    bags = [setup.bags / run_name(number, speed) for number, speed in enumerate(protocol.speeds, start=1)]
+    # Those of the protocol, and of runs that somebody reset.
+    bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     return analyse_bags(bags) | {'realtime_factor': float(seen.progress['realtime_factor'])}
 
 

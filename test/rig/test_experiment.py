@@ -1,6 +1,10 @@
 """The main job through the graph: the same bytes whatever happens around it, and true figures."""
 
 import filecmp
+import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -8,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kapitsa_ros.nodes.client import Client
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
@@ -15,6 +20,8 @@ from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.wire import read_tick
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.share import share_path
 from kapitsa_ros.units import RPM
 
@@ -86,6 +93,30 @@ def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded)
     for bags in ((last, first), (first, first, last)):
         values = kapitsa('replay', *bags, '--json').json
         assert comparable(values) == comparable(kapitsa('analyse', *bags, '--json').json)
+
+
+def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> None:
+    with reserved_domain() as domain:
+        pass  # free: the experiment reserves it for itself
+    protocol = tmp_path / 'one.yaml'
+    protocol.write_text('speeds: [2240]')
+    command = ['experiment', '--protocol', protocol, '--bags', tmp_path / 'bags', '--rate', '5', '--json']
+    with on_loopback():
+        client = Client(domain)
+    with client:
+        process = subprocess.Popen(
+            [sys.executable, '-m', 'kapitsa_ros.rig', *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True, env=os.environ | {'ROS_DOMAIN_ID': str(domain)},
+        )  # fmt: skip
+        assert process.stderr is not None
+        assert next(line for line in process.stderr if 'run 1 of 1' in line)
+        answered = client.call('reset')
+        out, err = process.communicate(timeout=100)
+        assert answered.result().success
+    assert process.returncode == 0, err
+    runs = json.loads(out)['runs']
+    assert [Path(run['bag']).name for run in runs] == ['run_01_2240rpm', 'run_02_2240rpm']
+    assert [run['period_s'] is None for run in runs] == [True, False]
 
 
 def test_sqlite3_on_request(kapitsa: Kapitsa, recorded: Recorded, tmp_path: Path) -> None:

@@ -195,6 +195,43 @@ def test_a_recorder_stopped_for_a_while_loses_nothing(
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
+ECHO = """
+import rclpy
+from trajectory_msgs.msg import JointTrajectory
+from kapitsa_ros.nodes.qos import STREAM
+
+rclpy.init()
+node = rclpy.create_node('echo')
+node.create_subscription(JointTrajectory, 'pendulum/motion', lambda _: print('heard', flush=True), STREAM)
+rclpy.spin(node)
+"""
+
+
+def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
+    recorded: Recorded, tmp_path: Path, domain: int
+) -> None:
+    echo = subprocess.Popen([sys.executable, '-c', ECHO], env=node_environment(domain), stdout=subprocess.PIPE)
+    assert echo.stdout is not None
+    try:
+        with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+            assert echo.stdout.readline() == b'heard\n'
+            echo.send_signal(signal.SIGSTOP)
+            assert nodes['pendulum'].wait_for_line('waiting for a reader that has stopped', PATIENCE)
+            echo.send_signal(signal.SIGCONT)
+            for _ in echo.stdout:  # so that it need not wait, either
+                if nodes.wait(0):
+                    break
+            carry_out(nodes)
+            [line] = [line for line in nodes['pendulum'].last_words().split('; ') if 'has stopped' in line]
+            assert 'pendulum/motion' in line
+            assert 'echo' in line
+    finally:
+        echo.kill()
+        echo.communicate()
+        remove_dead_segments()
+    assert files(tmp_path / 'A') == files(recorded[0])
+
+
 @pytest.mark.parametrize('role', ROLES)
 def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) -> None:
     process = subprocess.Popen(
