@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.physics.parameters import load_preset
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
@@ -54,7 +52,7 @@ def replay_from(said: Mapping[str, str]) -> dict[str, Any]:
     Raises
     ------
     UsageError
-        An argument cannot be used: no runs are there, or they do not belong together.
+        An argument cannot be used: no run is there, or one that cannot be read.
 
     """
     folder = Path(said['bags']).expanduser()
@@ -63,7 +61,8 @@ def replay_from(said: Mapping[str, str]) -> dict[str, Any]:
         paths = [folder] if _is_run(folder) else sorted(path for path in folder.glob('*/') if _is_run(path))
         if not paths:
             raise UsageError(f'--bags {folder}: no run is there; give the folder of a run, or of several')
-        reduce_runs([RunBag(path).run for path in paths])
+        for path in paths:
+            RunBag(path)
     return replay_parameters(paths, rate)
 
 
@@ -96,5 +95,5 @@ def _in_words_of_launch() -> Iterator[None]:
     """Name an argument as it is written here: `bags:=` for `--bags`."""
     try:
         yield
-    except (RigError, BagError, AnalysisError, ValueError) as error:
+    except (RigError, BagError, ValueError) as error:
         raise UsageError(re.sub(r'--([a-z]+)( (?=\S+: ))?', r'\1:=', str(error))) from error
