@@ -24,7 +24,7 @@ experiment: setup
 	$(BIN)/kapitsa experiment --preset as_built_1997 --bags runs
 
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -m 'not slow'
+	$(BIN)/python -m pytest -n 2 --dist loadgroup
 
 test-slow: setup
 	$(BIN)/python -m pytest -m slow

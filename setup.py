@@ -43,12 +43,15 @@ BENCHMARKS = [
     'heyoka',
     'mujoco',
 ]
-DEVELOPMENT = [
-    'colcon-common-extensions',
+TEST = [  # under this name `colcon test` looks for pytest
     'hypothesis',
-    'mypy',
     'pytest<9',
     'pytest-xdist',
+]
+DEVELOPMENT = [
+    *TEST,
+    'colcon-common-extensions',
+    'mypy',
     'ruff',
     'setuptools<80',  # colcon-core's limit
     'types-PyYAML',
@@ -79,6 +82,7 @@ setup(
         'report': REPORT,
         'campaign': CAMPAIGN,
         'benchmarks': BENCHMARKS,
+        'test': TEST,
         'dev': DEVELOPMENT,
         'all': [*REPORT, *CAMPAIGN, *BENCHMARKS, *DEVELOPMENT],
     },

@@ -7,9 +7,10 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.parameters import PRESETS, load_preset
+from kapitsa_ros.physics.parameters import PRESETS
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.roster import Setup, parameters
+from kapitsa_ros.rig.launched import end_with_failed, rig_from
+from kapitsa_ros.rig.roster import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
@@ -27,14 +28,7 @@ ARGUMENTS = {
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and the roles of the roster with what the arguments say."""
     said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    setup = Setup(
-        plant=load_preset(said['preset']),
-        instruments=said['instruments'],
-        protocol=said['protocol'],
-        rate=float(said['rate']),
-        seed=int(said['seed']),
-        bags=Path(said['bags']),
-    )
+    setup = rig_from(said)
     told = parameters(setup)
     # First, so that nothing has started when its package is missing.
     viewer = IncludeLaunchDescription(
@@ -48,7 +42,14 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     return [
         viewer,
         *(
-            Node(package='kapitsa_ros', executable=role, name=role, parameters=[told], output='screen')
+            Node(
+                package='kapitsa_ros',
+                executable=role,
+                name=role,
+                parameters=[told],
+                output='screen',
+                on_exit=end_with_failed,
+            )
             for role in setup.roles
         ),
     ]

@@ -5,6 +5,7 @@ import shutil
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -51,25 +52,36 @@ def test_share_holds_what_launch_and_params_need(index: Path) -> None:
         assert (share / name).is_file()
     launch = {path.name for path in (CHECKOUT / 'launch').glob('*.launch.py')}
     assert {path.name for path in (share / 'launch').glob('*.launch.py')} == launch >= {'rig.launch.py'}
+    for path in (share / 'launch').glob('*.launch.py'):
+        compile(path.read_text(encoding='utf-8'), path.name, 'exec')
 
 
-@pytest.mark.parametrize('role', ['jigsaw', 'analyser'])
-def test_an_installed_executable_runs_the_node(index: Path, role: str) -> None:
-    """Started as `ros2 run` starts it, from the installed files: it waits for its peers, and leaves on Ctrl-C."""
-    library = next(index.glob('lib/python*/site-packages'))
-    process = subprocess.Popen(
-        [index / 'lib' / 'kapitsa_ros' / role, '--ros-args', '-p', 'expect:=[jigsaw, operator, strobe, analyser]'],
-        env=os.environ
-        | {
-            'PYTHONPATH': str(library),
+@pytest.fixture
+def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
+    """Start an executable as `ros2 run` does: found in the index, from the installed files."""
+
+    def start(role: str, *arguments: str) -> subprocess.Popen[str]:
+        environment = {
+            'PYTHONPATH': str(next(index.glob('lib/python*/site-packages'))),
             'PATH': f'{Path(sys.executable).parent}:{os.environ["PATH"]}',
             'ROS_DOMAIN_ID': '98',
             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
-        },
-        cwd=index,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+        }
+        return subprocess.Popen(
+            [Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros' / role, '--ros-args', *arguments],
+            env=os.environ | environment,
+            cwd=index,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    return start
+
+
+@pytest.mark.parametrize('role', ['jigsaw', 'analyser'])
+def test_an_installed_executable_runs_the_node(installed: Callable[..., subprocess.Popen[str]], role: str) -> None:
+    """It waits for its peers, and leaves on Ctrl-C."""
+    process = installed(role, '-p', 'expect:=[jigsaw, operator, strobe, analyser]')
     try:
         assert process.stderr is not None
         assert next(line for line in process.stderr if 'waiting for' in line)
@@ -78,3 +90,22 @@ def test_an_installed_executable_runs_the_node(index: Path, role: str) -> None:
         _, err = process.communicate(timeout=20)
     assert process.returncode == 0
     assert 'Traceback' not in err
+
+
+@pytest.mark.parametrize(
+    ('role', 'wrong', 'said'),
+    [
+        ('jigsaw', 'rate:=1', 'parameter rate must be a double: write 1.0 for 1'),
+        ('jigsaw', 'amplitude:=-0.1', 'parameter amplitude is -0.1: it must be a finite value in [1e-06, 100.0]'),
+        ('operator', 'protocol:=/no/such', "parameter protocol: no protocol '/no/such'"),
+        ('player', "bags:=['/no/such']", 'parameter bags: /no/such'),
+    ],
+)
+def test_an_installed_executable_refuses_a_wrong_parameter_in_one_line(
+    installed: Callable[..., subprocess.Popen[str]], role: str, wrong: str, said: str
+) -> None:
+    process = installed(role, '-p', wrong)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 2
+    assert err.startswith(f'{role}: error: {said}')
+    assert err.count('\n') == 1

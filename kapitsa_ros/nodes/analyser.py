@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
@@ -55,7 +55,16 @@ class AnalyserNode(JoinedStage):
             run = self._builder.build(complete=True)
             self._runs.append(run)
             results = {f'run {run.number}': run_values(run)}
+        for name, values in results.items():
+            self.get_logger().info(f'{name}: {", ".join(f"{key} {_short(value)}" for key, value in values.items())}')
         self.emit(topics.RESULT, encode_result(stamp_ns, tick, results))
+
+
+def _short(value: Any) -> str:
+    """Return a value as a line of the log has it."""
+    if isinstance(value, list):
+        return ' to '.join(map(_short, value))
+    return f'{value:.5g}' if isinstance(value, float) else str(value).lower()
 
 
 create = AnalyserNode

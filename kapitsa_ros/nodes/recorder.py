@@ -60,6 +60,7 @@ class RecorderNode(JoinedStage):
             except BagError as error:
                 self._give_up()
                 raise NodeError(str(error)) from error
+            self.get_logger().info(f'{self._writer.path} is written')
             self._writer = None
         super().end_run(tick, stamp_ns, messages)
 

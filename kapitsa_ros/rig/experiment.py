@@ -2,22 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.nodes.observer import Observer
-from kapitsa_ros.physics.pivot import MAX_SPEED
-from kapitsa_ros.recording.naming import refuse_existing, run_number
+from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
-from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.offline import analyse_bags, recorded_values
+from kapitsa_ros.rig.preparation import prepare
 from kapitsa_ros.rig.processes import Nodes
 from kapitsa_ros.rig.roster import REPLAY_ROLES, parameters, replay_parameters
 from kapitsa_ros.rig.segments import no_dead_segments
-from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -48,14 +45,7 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
         A node died.
 
     """
-    protocol = setup.carried_out()
-    for speed in protocol.speeds:
-        if speed > MAX_SPEED:
-            raise UsageError(
-                f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
-            )
-    refuse_existing(setup.bags, protocol.speeds)
-    _make_writable(setup.bags)
+    prepare(setup)
     others = set(setup.bags.glob('run_*'))
     seen = _watch(setup.roles, parameters(setup), on_progress)
     # Those of the protocol, and of runs that somebody reset.
@@ -93,14 +83,3 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
                     nodes.refuse_leavers(LEAVING)
             seen.wait_for_end()
     return seen
-
-
-def _make_writable(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise UsageError(
-            f'--bags {folder}: cannot be made ({error.strerror}); give a folder you can write to'
-        ) from error
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise UsageError(f'--bags {folder}: cannot be written; give a folder you can write to')

@@ -51,11 +51,16 @@ class _Rate(click.FloatRange):
         return number
 
 
+RATE = _Rate(0, 1e4)
+"""Simulated over wall seconds."""
+SEED = click.IntRange(0, 2**63 - 1)
+
+
 def rate_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --rate."""
     return click.option(
         '--rate',
-        type=_Rate(0, 1e4),
+        type=RATE,
         default=0.0,
         show_default=True,
         help='simulated over wall seconds; 0: as fast as it can',

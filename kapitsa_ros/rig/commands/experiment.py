@@ -9,7 +9,7 @@ import click
 from rich.console import Console
 
 from kapitsa_ros.recording.writer import STORAGES
-from kapitsa_ros.rig.options import instrument_options, json_option, plant_options, print_json, rate_option
+from kapitsa_ros.rig.options import SEED, instrument_options, json_option, plant_options, print_json, rate_option
 from kapitsa_ros.rig.roster import Setup
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @click.command()
 @plant_options
 @instrument_options
-@click.option('--seed', type=click.IntRange(0, 2**63 - 1), default=1, show_default=True, help='of all chance')
+@click.option('--seed', type=SEED, default=1, show_default=True, help='of all chance')
 @click.option(
     '--bags', type=click.Path(path_type=Path), default=Path('runs'), show_default=True, help='folder for the runs'
 )
