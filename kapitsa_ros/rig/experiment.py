@@ -55,7 +55,7 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
                 f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
             )
     refuse_existing(setup.bags, protocol.speeds)
-    _make_writable(setup.bags)
+    make_writable(setup.bags)
     seen = _watch(setup.roles, parameters(setup), on_progress)
     bags = [setup.bags / run_name(number, speed) for number, speed in enumerate(protocol.speeds, start=1)]
     return analyse_bags(bags) | {'realtime_factor': float(seen.progress['realtime_factor'])}
@@ -93,7 +93,15 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
     return seen
 
 
-def _make_writable(folder: Path) -> None:
+def make_writable(folder: Path) -> None:
+    """Make the folder for the bags.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made, or not be written.
+
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
