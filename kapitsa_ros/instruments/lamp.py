@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 AFTERIMAGE = 0.12
 """Seconds for which an eye still sees what a flash showed it."""
+_THICKNESS = 0.002
+"""Of the mark, share of the stroke: however sharp the eye, images closer than this lie over each other."""
 _KEPT = 2.0
 """Seconds for which flashes are kept: blocks may be known before they are looked at."""
 
@@ -106,7 +108,7 @@ class Lamp:
 
         """
         seen = (self._times <= now) & (self._times > now - AFTERIMAGE)
-        return distinct_images(self._heights[seen], self._settings.mark_width)
+        return distinct_images(self._heights[seen], max(self._settings.mark_width, _THICKNESS))
 
     def _darken(self) -> None:
         self._last = -math.inf

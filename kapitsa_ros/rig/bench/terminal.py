@@ -39,7 +39,7 @@ def require_terminal() -> None:
     """
     if not all(stream is not None and stream.isatty() for stream in (sys.stdin, sys.stdout, sys.stderr)):
         raise UsageError(
-            'bench needs a terminal; to drive the rig without one, use kapitsa_ros.rig.Rig or ros2 topic pub'
+            'the bench needs a terminal; without one, drive the rig with kapitsa_ros.rig.Rig or ros2 topic pub'
         )
 
 
