@@ -122,3 +122,14 @@ def status(desk: Desk, title: str, now: float, wall: float) -> Text:
         if desk.paused:
             text.append('   PAUSED', 'bold reverse')
     return text
+
+
+PANELS: dict[str, Panel] = {
+    'rod': rod,
+    'marks': marks,
+    'knobs': knobs,
+    'mine': mine,
+    'crew': crew,
+    'messages': messages,
+}
+"""By name on the screen."""

@@ -6,7 +6,7 @@ import asyncio
 import signal
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
@@ -26,6 +26,7 @@ from kapitsa_ros.units import RPM, parse_angle, parse_speed
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from rich.text import Text
     from textual import events
 
     from kapitsa_ros.nodes.client import News
@@ -145,6 +146,7 @@ class BenchScreen(App[RigError]):
         self._asked: str | None = None
         """What is being typed; None: keys are knobs."""
         self._leaving = False
+        self._shown: dict[str, Text] = {}
 
     def compose(self) -> ComposeResult:
         """Lay the panels out."""
@@ -364,13 +366,17 @@ class BenchScreen(App[RigError]):
         self.desk.look_at_rod(now)
         if self.screen is not self.screen_stack[0]:
             return
-        self.query_one('#status', Static).update(panels.status(self.desk, self.title, now, wall))
-        for name in ('rod', 'marks', 'knobs', 'mine', 'crew', 'messages'):
-            widget: Any = self.query_one(f'#{name}', Static)
-            width, height = widget.content_size
+        self._show('status', panels.status(self.desk, self.title, now, wall))
+        for name, panel in panels.PANELS.items():
+            width, height = self.query_one(f'#{name}', Static).content_size
             if width > 0 and height > 0:
-                panel: panels.Panel = getattr(panels, name)
-                widget.update(panel(self.desk, now, width, height))
+                self._show(name, panel(self.desk, now, width, height))
+
+    def _show(self, name: str, text: Text) -> None:
+        """Draw a panel anew, if it changed: most do not, from one picture to the next."""
+        if self._shown.get(name) != text:
+            self._shown[name] = text
+            self.query_one(f'#{name}', Static).update(text)
 
 
 def _panel(name: str, title: str) -> Static:
