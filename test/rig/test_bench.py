@@ -460,13 +460,13 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
 
 
 class Terminal:
-    """`kapitsa bench` in a pseudo-terminal."""
+    """A command of Python's in a pseudo-terminal."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *command: str) -> None:
         self._master, slave = pty.openpty()
         fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack('HHHH', 32, 100, 0, 0))
         self.process = subprocess.Popen(
-            ['/usr/bin/setsid', '--ctty', sys.executable, '-m', 'kapitsa_ros.rig', 'bench'],
+            ['/usr/bin/setsid', '--ctty', sys.executable, *command],
             stdin=slave,
             stdout=slave,
             stderr=slave,
@@ -512,7 +512,8 @@ class Terminal:
 
 @pytest.fixture
 def terminal(tmp_path: Path) -> Iterator[Terminal]:
-    terminal = Terminal(tmp_path)
+    """Hold `kapitsa bench` in a terminal."""
+    terminal = Terminal(tmp_path, '-m', 'kapitsa_ros.rig', 'bench', '--length', '10in')
     yield terminal
     terminal.close()
 
@@ -542,6 +543,8 @@ def test_however_it_ends_nothing_is_left(terminal: Terminal, tmp_path: Path, end
         assert terminal.end() == 0
         assert '1 run in bench_01: kapitsa analyse bench_01/*' in terminal.shown
         assert '\x1b[?1049l' in terminal.shown  # the screen is given back
+        (bag,) = (tmp_path / 'bench_01').iterdir()
+        assert RunBag(bag).run.plant == PlantParameters(length=0.254)
     elif end == 'hung up':
         terminal.hang_up()
         assert terminal.process.wait(PATIENCE) == 0
@@ -561,3 +564,22 @@ def test_without_a_terminal_it_says_so(kapitsa: Callable[..., Any], tmp_path: Pa
     assert answer.err.startswith('kapitsa: error: the bench needs a terminal')
     assert answer.err.count('\n') == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_nothing_but_the_screen_is_drawn_while_it_lasts(tmp_path: Path):
+    """What C, Python and threads say on stderr comes when the terminal is free again, and is not lost."""
+    work = """
+import os, sys
+from kapitsa_ros.rig.bench.terminal import own_terminal
+with own_terminal():
+    os.write(2, b'from C\\n')
+    print('from Python', file=sys.stderr)
+    print('the screen', file=sys.__stderr__, flush=True)
+print('afterwards', file=sys.stderr)
+"""
+    terminal = Terminal(tmp_path, '-c', work)
+    try:
+        assert terminal.end() == 0
+        assert terminal.shown.split('\r\n') == ['the screen', 'from C', 'from Python', 'afterwards', '']
+    finally:
+        terminal.close()

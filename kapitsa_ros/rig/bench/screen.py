@@ -97,7 +97,7 @@ class BenchScreen(App[RigError]):
     #knobs { width: 36; }
     #mine { width: 36; }
     #crew { width: 1fr; }
-    #messages { height: 2; padding: 0 1; color: $warning; }
+    #messages { height: 3; padding: 0 1; color: $warning; }
     #question { height: 1; }
     #question Static { width: auto; padding: 0 0 0 1; }
     #question Input { border: none; height: 1; width: 1fr; padding: 0; }
@@ -154,7 +154,7 @@ class BenchScreen(App[RigError]):
             yield Static(id='status')
             with Horizontal(id='seen'):
                 yield _panel('rod', 'the pendulum')
-                yield _panel('marks', 'mark in lamplight')
+                yield _panel('marks', 'under the lamp')
                 yield _panel('knobs', 'your hands')
             with Horizontal(id='read'):
                 yield _panel('mine', 'your table')
