@@ -119,7 +119,10 @@ class Client(Spectator):
             taken = [(name, message) for name in TOPICS for message in self._unread[name]]
             for name in TOPICS:
                 self._unread[name].clear()
-        news = [News(name, message.tick, _DECODE[name](message.raw)) for name, message in taken]
+        news = []
+        for name, message in taken:
+            with contextlib.suppress(WireError):  # somebody else's; the nodes of the rig say so
+                news.append(News(name, message.tick, _DECODE[name](message.raw)))
         return sorted(news, key=lambda item: (item.tick.run, item.tick.step))
 
     def latest(self, topic: str) -> Any:

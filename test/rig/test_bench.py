@@ -47,7 +47,8 @@ from textual import events
 from textual.pilot import Pilot
 from textual.widgets import Input
 
-from kapitsa_ros.rig.bench.screen import BenchScreen
+from kapitsa_ros.rig.bench.guide import HELP
+from kapitsa_ros.rig.bench.screen import HEIGHT, BenchScreen
 
 pytestmark = pytest.mark.xdist_group('bench')
 PATIENCE = 60.0
@@ -440,6 +441,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         await person.until(lambda: desk.speed == 10)
         person.press('?')
         await person.until(lambda: len(person.app.screen_stack) == 2)
+        assert len(HELP.splitlines()) + 2 <= HEIGHT  # with its border
         person.press('s')  # goes back, and asks nothing
         await person.until(lambda: len(person.app.screen_stack) == 1)
         assert person.app._asked is None
@@ -476,13 +478,12 @@ class Terminal:
         os.close(slave)
         self.shown = ''
 
-    def wait_for(self, text: str) -> None:
+    def read_until(self, true: Callable[[], Any]) -> None:
+        """Read what is drawn until something is so."""
         deadline = time.monotonic() + PATIENCE
-        while text not in self.shown:
+        while not true():
             assert time.monotonic() < deadline, self.shown[-2000:]
-            if not self._read():
-                break
-        assert text in self.shown
+            assert self._read(), self.shown[-2000:]
 
     def end(self) -> int:
         """Read to the end, and return the exit status."""
@@ -535,16 +536,16 @@ def nodes_of(pid: int) -> dict[str, int]:
 
 @pytest.mark.parametrize('end', ['asked', 'hung up', 'broken'])
 def test_however_it_ends_nothing_is_left(terminal: Terminal, tmp_path: Path, end: str):
-    terminal.wait_for('the shaft is at rest')
+    terminal.read_until(lambda: 'the shaft is at rest' in terminal.shown)
     nodes = nodes_of(terminal.process.pid)
     assert len(nodes) == 7
+    assert b'length:=0.254' in Path(f'/proc/{nodes["pendulum"]}/cmdline').read_bytes().split(b'\0')
+    terminal.read_until(lambda: list(tmp_path.glob('bench_01/run_*')))
     if end == 'asked':
         terminal.process.send_signal(signal.SIGTERM)
         assert terminal.end() == 0
         assert '1 run in bench_01: kapitsa analyse bench_01/*' in terminal.shown
         assert '\x1b[?1049l' in terminal.shown  # the screen is given back
-        (bag,) = (tmp_path / 'bench_01').iterdir()
-        assert RunBag(bag).run.plant == PlantParameters(length=0.254)
     elif end == 'hung up':
         terminal.hang_up()
         assert terminal.process.wait(PATIENCE) == 0
@@ -555,7 +556,6 @@ def test_however_it_ends_nothing_is_left(terminal: Terminal, tmp_path: Path, end
         assert last == ['kapitsa: error: pendulum was killed by SIGKILL']
     assert 'Traceback' not in terminal.shown
     assert not [role for role, pid in nodes.items() if Path(f'/proc/{pid}').exists()]
-    assert (tmp_path / 'bench_01').is_dir()
 
 
 def test_without_a_terminal_it_says_so(kapitsa: Callable[..., Any], tmp_path: Path):
@@ -564,6 +564,25 @@ def test_without_a_terminal_it_says_so(kapitsa: Callable[..., Any], tmp_path: Pa
     assert answer.err.startswith('kapitsa: error: the bench needs a terminal')
     assert answer.err.count('\n') == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_there_is_not_overwritten(kapitsa: Callable[..., Any], tmp_path: Path):
+    old = tmp_path / 'bags' / 'run_02_0rpm'
+    old.mkdir(parents=True)
+    answer = kapitsa('bench', '--bags', old.parent)
+    assert (answer.status, 'never overwritten' in answer.err) == (2, True)
+    table = tmp_path / 'mine.csv'
+    table.write_text('precious')
+    answer = kapitsa('bench', '--bags', tmp_path / 'others', '--table', table)
+    assert (answer.status, 'never overwritten' in answer.err) == (2, True)
+    assert table.read_text() == 'precious'
+
+
+def test_a_missing_extra_is_named(kapitsa: Callable[..., Any], tmp_path: Path):
+    (tmp_path / 'textual.py').write_text("raise ModuleNotFoundError('none here', name='textual')")
+    answer = kapitsa('bench', env={'PYTHONPATH': f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'})
+    assert answer.status == 1
+    assert 'needs textual: run `make setup`, or pip install "kapitsa_ros[bench]"' in answer.err
 
 
 def test_nothing_but_the_screen_is_drawn_while_it_lasts(tmp_path: Path):

@@ -11,6 +11,7 @@ THE LABORATORY OF 1997, BY HAND
     turn too, and at a half, a third … of it: do not be fooled.
  3  Say how many images you count: 1 to 5. The dial is divided by it.
  4  Let go: r catches the rod and releases it; a types the angle.
+    Where friction stops the swing too soon, let go from farther out.
  5  Time some swings: space starts and stops the watch. Count them,
     + and - say how many they were. c clears the watch.
  6  w writes both down; u strikes the last line out. The table is on
@@ -21,5 +22,4 @@ THE LABORATORY OF 1997, BY HAND
  < >  half, twice the pace of time
  q, Ctrl-C  end the run and leave
 
-Below 1353 RPM an ideal rod cannot stand. Two speeds make a line.
-Any key goes back."""
+Below 1353 RPM an ideal rod cannot stand.         Any key goes back."""

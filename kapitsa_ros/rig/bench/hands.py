@@ -79,9 +79,9 @@ class Hands:
                     self._ears.hear(news, time.monotonic())
         except RigError as error:
             self._ears.hear_death(error)
-        except (OSError, RuntimeError, ValueError):
-            if not self._ending.is_set():  # the rig may be taken away from an order that hangs
-                raise
+        except Exception as error:  # noqa: BLE001  # the person would look at a picture that stands still
+            if not self._ending.is_set():  # then the rig may be taken away from an order that hangs
+                self._ears.hear_death(RigError(f'the bench lost its rig: {error!r}'))
 
     def _carry_out(self) -> None:
         while not self._ending.is_set():

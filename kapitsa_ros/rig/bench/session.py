@@ -38,10 +38,10 @@ def work_at_bench(  # noqa: PLR0917  # what the command was told
         A node died.
 
     """
-    require_terminal()
     if old := sorted(bags.glob('run_*_0rpm')):
         raise BagError(f'{old[0]} exists: runs are never overwritten, give another --bags or move it away')
     desk = Desk(plant, load_instruments(instruments), table, rate)
+    require_terminal()
     make_writable(bags)
     with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL) as rig, own_terminal():
         screen = BenchScreen(rig, desk, f'kapitsa bench · instruments {instruments}')
@@ -56,8 +56,7 @@ def work_at_bench(  # noqa: PLR0917  # what the command was told
 
 def _say_what_is_left(bags: Path, desk: Desk) -> None:
     runs = sorted(bags.glob('run_*'))
-    if runs:
-        click.echo(f'{_counted(runs, "run")} in {bags}: kapitsa analyse {bags}/*')
+    click.echo(f'{_counted(runs, "run")} in {bags}: kapitsa analyse {bags}/*' if runs else 'no run was recorded')
     if desk.notebook.rows:
         path = desk.notebook.path
         click.echo(f'{_counted(desk.notebook.rows, "reading")} of yours in {path}: kapitsa reduce {path}')
