@@ -39,6 +39,9 @@ REPORT = [
 CAMPAIGN = [
     'distributed>=2024.1',
 ]
+BENCH = [
+    'textual>=3.0',
+]
 BENCHMARKS = [
     'heyoka',
     'mujoco',
@@ -81,10 +84,11 @@ setup(
     extras_require={
         'report': REPORT,
         'campaign': CAMPAIGN,
+        'bench': BENCH,
         'benchmarks': BENCHMARKS,
         'test': TEST,
         'dev': DEVELOPMENT,
-        'all': [*REPORT, *CAMPAIGN, *BENCHMARKS, *DEVELOPMENT],
+        'all': [*REPORT, *CAMPAIGN, *BENCH, *BENCHMARKS, *DEVELOPMENT],
     },
     entry_points={
         'console_scripts': ['kapitsa = kapitsa_ros.rig.cli:main'],

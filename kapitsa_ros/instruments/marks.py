@@ -62,10 +62,31 @@ def standing_images(
         Shape (images,) each: amplitudes from mid-stroke, ascending; share of the flashes.
 
     """
-    lit = np.sort(-np.cos(phase + 2.0 * np.pi * np.arange(flash_phases) / flash_phases))
+    return distinct_images(-np.cos(phase + 2.0 * np.pi * np.arange(flash_phases) / flash_phases), mark_width)
+
+
+def distinct_images(lit: NDArray[np.float64], mark_width: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Take flashes on the mark that no eye can tell apart for one image.
+
+    Parameters
+    ----------
+    lit
+        Shape (N,): height of the mark at each flash, in amplitudes from mid-stroke.
+    mark_width
+        Flashes closer than this share of the stroke look like one image.
+
+    Returns
+    -------
+    heights, shares
+        Shape (images,) each: amplitudes from mid-stroke, ascending; share of the flashes.
+
+    """
+    if not lit.size:
+        return np.empty(0), np.empty(0)
+    lit = np.sort(lit)
     apart = np.flatnonzero(np.diff(lit) > 2.0 * mark_width + _ROUNDING) + 1
     groups = np.split(lit, apart)
-    return np.array([group.mean() for group in groups]), np.array([group.size / flash_phases for group in groups])
+    return np.array([group.mean() for group in groups]), np.array([group.size / lit.size for group in groups])
 
 
 def look(flash_rate: float, shaft_speed: float, phase: float, eye: StrobeSettings) -> Picture:

@@ -85,8 +85,13 @@ def _looks_doubled(ratio: Fraction, phase: float, residue: float, settings: Stro
 
 
 def read_dial(flash_rate: float, settings: StrobeSettings) -> float:
-    """Read the dial to its nearest graduation and halve: the shaft's speed as it is written down, rad/s."""
+    """Read the dial and halve: the shaft's speed as it is written down, rad/s."""
+    return graduation(flash_rate, settings) / 2.0
+
+
+def graduation(flash_rate: float, settings: StrobeSettings) -> float:
+    """Return what the dial says, to its nearest graduation, rad/s of flashes."""
     shown = flash_rate * (1.0 + settings.dial_error)
     if settings.dial_resolution > 0.0:
         shown = round(shown / settings.dial_resolution) * settings.dial_resolution
-    return shown / 2.0
+    return shown

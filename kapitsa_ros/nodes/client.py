@@ -50,6 +50,15 @@ class _Message(NamedTuple):
     raw: bytes
 
 
+class News(NamedTuple):
+    """What the graph said."""
+
+    topic: str
+    tick: Tick
+    value: Any
+    """The message as the rooms without ROS have it."""
+
+
 class Client(Spectator):
     """Listens to all numbered topics of a rig. A context: it listens while it lasts.
 
@@ -103,6 +112,18 @@ class Client(Spectator):
             if predicate is None or predicate(value):
                 return value
         return None
+
+    def take_all(self) -> list[News]:
+        """Return the unread messages of all topics, in the order of their steps."""
+        with self._lock:
+            taken = [(name, message) for name in TOPICS for message in self._unread[name]]
+            for name in TOPICS:
+                self._unread[name].clear()
+        news = []
+        for name, message in taken:
+            with contextlib.suppress(WireError):  # somebody else's; the nodes of the rig say so
+                news.append(News(name, message.tick, _DECODE[name](message.raw)))
+        return sorted(news, key=lambda item: (item.tick.run, item.tick.step))
 
     def latest(self, topic: str) -> Any:
         """Return the newest message that says something, as a plain type, or None."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Self
 from kapitsa_ros.instruments.manual import Requests
 from kapitsa_ros.instruments.protocol import MANUAL
 from kapitsa_ros.nodes.client import ROLE, TOPICS, Client
-from kapitsa_ros.physics.parameters import load_preset
+from kapitsa_ros.physics.parameters import PlantParameters, load_preset
 from kapitsa_ros.physics.pivot import MAX_SPEED
 from kapitsa_ros.physics.steps import Tick
 from kapitsa_ros.recording.topics import COMMAND, ROLES
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
+    from kapitsa_ros.nodes.client import News
+
 PATIENCE = 30.0
 """Seconds of wall time for which an answer is waited for."""
 _LOOK_PERIOD = 0.1
@@ -42,7 +44,7 @@ class Rig:
     Parameters
     ----------
     preset
-        Name of the plant: ideal, bearing or as_built_1997.
+        Name of the plant: ideal, bearing or as_built_1997; or its parameters.
     instruments
         Name of the instrument set: 1997 or ideal.
     seed
@@ -69,7 +71,7 @@ class Rig:
 
     def __init__(  # noqa: PLR0917  # the order is the contract's
         self,
-        preset: str = 'ideal',
+        preset: str | PlantParameters = 'ideal',
         instruments: str = '1997',
         seed: int = 1,
         rate: float = 0.0,
@@ -99,7 +101,7 @@ class Rig:
             folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
             self.bags = Path(folder)
             setup = Setup(
-                plant=load_preset(self._preset),
+                plant=self._preset if isinstance(self._preset, PlantParameters) else load_preset(self._preset),
                 instruments=self._instruments,
                 protocol=self._protocol,
                 seed=self._seed,
@@ -171,6 +173,21 @@ class Rig:
         """
         name = _known(topic)
         return self._until(lambda: self._client.take(name, predicate), timeout, f'a message on {name} that fits')
+
+    def news(self, timeout: float = PATIENCE) -> list[News]:
+        """Return all that came since the last call, on all topics of `wait_for`, in the order of their steps.
+
+        Parameters
+        ----------
+        timeout
+            Seconds of wall time to wait for the first message; without one the list is empty.
+
+        """
+        try:
+            news: list[News] = self._until(lambda: self._client.take_all() or None, timeout, 'news')
+        except TimeoutError:
+            return []
+        return news
 
     def latest(self, topic: str) -> Any:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""

@@ -56,15 +56,20 @@ RATE = _Rate(0, 1e4)
 SEED = click.IntRange(0, 2**63 - 1)
 
 
-def rate_option(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add --rate."""
+def _rate_option(default: float) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     return click.option(
         '--rate',
         type=RATE,
-        default=0.0,
+        default=default,
         show_default=True,
         help='simulated over wall seconds; 0: as fast as it can',
-    )(command)
+    )
+
+
+rate_option = _rate_option(0.0)
+"""Adds --rate, for work that nobody watches."""
+real_time_option = _rate_option(1.0)
+"""Adds --rate, for people."""
 
 
 _PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (

@@ -38,10 +38,18 @@ def prepare(setup: Setup) -> None:
                 f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
             )
     refuse_existing(setup.bags, speeds)
-    _make_writable(setup.bags)
+    make_writable(setup.bags)
 
 
-def _make_writable(folder: Path) -> None:
+def make_writable(folder: Path) -> None:
+    """Make the folder for the bags.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made, or not be written.
+
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
@@ -131,6 +132,19 @@ def test_what_a_time_that_runs_or_stands_cannot_do_is_said(lab: Rig) -> None:
     lab.step(2)
     lab.resume()
     assert lab.wait_for('pendulum/motion') is not None
+
+
+def test_news_are_all_that_was_said_once_and_in_order(paused: Rig) -> None:
+    paused.news(0)
+    paused.step(3)
+    news = paused.news()
+    said = {
+        topic: [tick.step for name, tick, _ in news if name == topic] for topic in ('jigsaw/pivot', 'pendulum/motion')
+    }
+    assert said['jigsaw/pivot'] == said['pendulum/motion']
+    assert np.diff(said['jigsaw/pivot']).tolist() == [1, 1]
+    assert [tick.step for _, tick, _ in news] == sorted(tick.step for _, tick, _ in news)
+    assert paused.news(0) == []
 
 
 def test_a_reset_while_time_stands_still(paused: Rig) -> None:

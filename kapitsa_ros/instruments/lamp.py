@@ -1,0 +1,115 @@
+"""The strobe lamp over the mark on the pivot, as somebody sees it who turns its dial."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import CubicHermiteSpline
+
+from kapitsa_ros.instruments.errors import InstrumentError
+from kapitsa_ros.instruments.marks import distinct_images
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.instruments.settings import StrobeSettings
+    from kapitsa_ros.physics.samples import Samples
+
+AFTERIMAGE = 0.12
+"""Seconds for which an eye still sees what a flash showed it."""
+_THICKNESS = 0.002
+"""Of the mark, share of the stroke: however sharp the eye, images closer than this lie over each other."""
+_KEPT = 2.0
+"""Seconds for which flashes are kept: blocks may be known before they are looked at."""
+
+
+class Lamp:
+    """Flashes on the moving mark, and keeps what each flash showed.
+
+    Nothing is assumed of the shaft: whether images stand, creep or blur, and how many there are, follows from where the
+    mark is when the lamp flashes.
+
+    Parameters
+    ----------
+    settings
+        Its `dial_error`, `dial_end` and `mark_width` are used.
+    amplitude
+        Half the stroke of the pivot, m.
+
+    """
+
+    def __init__(self, settings: StrobeSettings, amplitude: float) -> None:
+        self._settings = settings
+        self._amplitude = amplitude
+        self._end = -math.inf
+        self.flash_rate = 0.0
+        """rad/s of flashes; 0: the lamp is off."""
+        self._last: float
+        self._times: NDArray[np.float64]
+        self._heights: NDArray[np.float64]
+        self._darken()
+
+    def turn(self, dial: float) -> None:
+        """Set the lamp so that its dial points at a value, rad/s of flashes; 0 turns it off.
+
+        Raises
+        ------
+        InstrumentError
+            The dial does not go so far.
+
+        """
+        if not 0.0 <= dial <= self._settings.dial_end:
+            raise InstrumentError(f'the dial of the lamp goes from 0 to {self._settings.dial_end / RPM:.0f} a minute')
+        self.flash_rate = dial / (1.0 + self._settings.dial_error)
+
+    def shine(self, start: float, pivot: Samples) -> None:
+        """Flash during one communication step.
+
+        Parameters
+        ----------
+        start
+            Seconds of the run at the block's first sample; after a gap the lamp begins anew.
+        pivot
+            Motion of the pivot, m, on which the mark rides.
+
+        """
+        if abs(start - self._end) > pivot.period:
+            self._darken()
+        self._end = start + pivot.duration
+        if self.flash_rate == 0.0:
+            return
+        period = 2.0 * math.pi / self.flash_rate
+        first = max(self._last + period, start)
+        times = first + period * np.arange(max(0, math.ceil((self._end - first) / period)))
+        if not times.size:
+            return
+        self._last = float(times[-1])
+        grid = pivot.period * np.arange(pivot.position.size)
+        heights = CubicHermiteSpline(grid, pivot.position, pivot.rate)(times - start) / self._amplitude
+        kept = self._times > self._end - _KEPT
+        self._times = np.concatenate((self._times[kept], times))
+        self._heights = np.concatenate((self._heights[kept], heights))
+
+    def picture(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return what an eye sees.
+
+        Parameters
+        ----------
+        now
+            Seconds of the run.
+
+        Returns
+        -------
+        heights, shares
+            Shape (images,) each, as of `distinct_images`: of the flashes still seen. Empty where there were none.
+
+        """
+        seen = (self._times <= now) & (self._times > now - AFTERIMAGE)
+        return distinct_images(self._heights[seen], max(self._settings.mark_width, _THICKNESS))
+
+    def _darken(self) -> None:
+        self._last = -math.inf
+        self._times, self._heights = np.empty(0), np.empty(0)
