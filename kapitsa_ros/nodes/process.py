@@ -38,10 +38,16 @@ def main(arguments: list[str] | None = None) -> int:
         print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(ROLES)}', file=sys.stderr)
         return 2
     role = arguments[0]
-    create = import_module(f'kapitsa_ros.nodes.{role}').create
+    module = import_module(f'kapitsa_ros.nodes.{role}')
+    own = arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
+    if {'-h', '--help'} & set(own):
+        print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
+        return 0
     try:
+        if own:
+            raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
         _start(arguments)
-        _spin(create)
+        _spin(module.create)
     except SettingError as error:
         print(f'{role}: error: {error}', file=sys.stderr)
         return 2

@@ -112,6 +112,17 @@ def test_a_wrong_parameter(kapitsa: Kapitsa, role: str, arguments: list[str], wo
     one_line(kapitsa('node', role, '--ros-args', *arguments, env={'ROS_DOMAIN_ID': '99'}), 2, role, *words)
 
 
+def test_an_argument_that_is_none_of_ros(kapitsa: Kapitsa) -> None:
+    one_line(kapitsa('node', 'jigsaw', 'rate:=1'), 2, 'jigsaw', 'rate:=1', '--ros-args -p')
+
+
+def test_a_node_says_what_it_is(kapitsa: Kapitsa) -> None:
+    answer = kapitsa('node', 'jigsaw', '--help')
+    assert answer.status == 0
+    assert answer.out.startswith('usage: jigsaw [--ros-args')
+    assert 'owns time' in answer.out
+
+
 def test_a_params_file_with_a_wrong_type(kapitsa: Kapitsa, tmp_path: Path) -> None:
     path = tmp_path / 'mine.yaml'
     path.write_text('/**:\n  ros__parameters:\n    length: long\n')
