@@ -39,13 +39,10 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     role = arguments[0]
     module = import_module(f'kapitsa_ros.nodes.{role}')
-    own = arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
-    if {'-h', '--help'} & set(own):
+    if {'-h', '--help'} & set(_beside_ros(arguments)):
         print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
         return 0
     try:
-        if own:
-            raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
         _start(arguments)
         _spin(module.create)
     except SettingError as error:
@@ -64,8 +61,14 @@ def main(arguments: list[str] | None = None) -> int:
     return 0
 
 
+def _beside_ros(arguments: list[str]) -> list[str]:
+    return arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
+
+
 def _start(arguments: list[str]) -> None:
     """Hand the ROS arguments over; what rcl cannot parse is named in one line, and not in its own ten."""
+    if own := _beside_ros(arguments):
+        raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
     for option, value in itertools.pairwise(arguments):
         if option == '--params-file' and not Path(value).is_file():
             raise SettingError(f'--params-file {value}: there is no such file')

@@ -26,6 +26,11 @@ def test_bisection_finds_the_critical_speed(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 11  # 1000 RPM halved eleven times are less than a half
 
 
+def test_the_readme_shows_the_users_own_test() -> None:
+    readme = (EXAMPLES.parent / 'README.md').read_text(encoding='utf-8')
+    assert f'```python\n{(EXAMPLES / "test_tachometer.py").read_text(encoding="utf-8")}```' in readme
+
+
 def test_a_users_own_test_passes() -> None:
     command = [sys.executable, '-m', 'pytest', '-p', 'kapitsa_ros.rig.pytest_plugin', '-p', 'no:cacheprovider']
     done = subprocess.run(

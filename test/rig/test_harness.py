@@ -271,6 +271,18 @@ def test_a_death_is_told_at_once() -> None:
     assert not rig.bags.exists()
 
 
+def test_four_rigs_at_once() -> None:
+    """Each in a domain of its own: what is asked of one is read there and nowhere else."""
+    speeds = (1500, 2000, 2500, 3000)
+    with contextlib.ExitStack() as stack:
+        rigs = [stack.enter_context(Rig(instruments='ideal')) for _ in speeds]
+        assert len({rig.domain for rig in rigs}) == len(speeds)
+        for rig, rpm in zip(rigs, speeds, strict=True):
+            rig.request_speed(rpm)
+        for rig, rpm in zip(rigs, speeds, strict=True):
+            assert rig.wait_for('strobe/reading', timeout=60.0).speed == pytest.approx(rpm * RPM, rel=1e-8)
+
+
 def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     """A protocol's run that was reset is done again, at the same speed."""
     protocol = tmp_path / 'one.yaml'
