@@ -24,7 +24,9 @@ def speed_of(params):
 
 
 def matching_digits(value, entry):
-    """Print and return how many digits of a published value come out."""
-    digits = -math.log10(max(abs(value / entry['value'] - 1), 1e-16))
-    print(f'{entry["id"]}: {value!r} agrees with {entry["value"]!r} in {digits:.1f} digits')  # noqa: T201
+    """Print and return how many digits of a published value come out; of a published 0, those behind its point."""
+    off = abs(value - entry['value']) / (abs(entry['value']) or 1.0)
+    digits = -math.log10(max(off, 1e-16))
+    value = float(value)
+    print(f'{entry["id"]:20} {value!r:>23} agrees with {entry["value"]!r:>23} in {digits:4.1f} digits')  # noqa: T201
     return digits
