@@ -72,6 +72,18 @@ def parse_speed(text: str | float) -> float:
     return _parse(text, 'rad/s', RPM)
 
 
+def parse_frequency(text: str | float) -> float:
+    """Return rad/s; a bare number is in Hz.
+
+    Raises
+    ------
+    ValueError
+        The text is not a frequency.
+
+    """
+    return _parse(text, 'rad/s', 2 * math.pi)
+
+
 def parse_angle(text: str | float) -> float:
     """Return radians; a bare number is in radians.
 

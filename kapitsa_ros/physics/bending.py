@@ -17,11 +17,11 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels.bending import advance_bending
-from kapitsa_ros.physics.simulation import PROMISED, STOP
+from kapitsa_ros.physics.simulation import PROMISED, REFINEMENTS, STOP
 from kapitsa_ros.physics.stepping import LONGEST_STEP, longest_step, whole_samples
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def coupling() -> float:
     φ = sin λx/sin λ + sinh λx/sinh λ with tan λ = tanh λ; λ = 3.9266 (Blevins, Formulas for Natural Frequency and Mode
     Shape, table 8-1).
     """
-    root = float(brentq(lambda x: math.tan(x) - math.tanh(x), 3.8, 4.0, xtol=1e-15))
+    root = float(scipy.optimize.brentq(lambda x: math.tan(x) - math.tanh(x), 3.8, 4.0, xtol=1e-15))
     # The modes' mean square is 1 as they stand: φ(1)²/4.
     trigonometric = (1.0 - math.cos(root)) / math.sin(root)
     return (trigonometric + (math.cosh(root) - 1.0) / math.sinh(root)) / root
@@ -104,23 +104,33 @@ def bend(release: Release, bending: Bending, duration: float, sample_rate: float
     """
     plant = release.plant
     if plant.coulomb or plant.clearance or release.linear:
-        raise ParameterError('a bending rod has neither coulomb friction nor clearance, and is not linear')
+        raise ParameterError(
+            'a bending rod has neither coulomb friction nor clearance and is not linear: '
+            'set those to 0, or leave the bending out'
+        )
     count = whole_samples(duration, sample_rate)
-    longest = min(longest_step(plant, release.speed), LONGEST_STEP / bending.frequency)
+    quickest = bending.frequency * max(1.0, 2.0 * bending.damping)
+    longest = min(longest_step(plant, release.speed), LONGEST_STEP / quickest)
     stride = math.ceil(1.0 / (sample_rate * longest))
     lever = 0.5 * plant.length
     rod = np.array(
         [lever / plant.k, lever, coupling(), plant.gravity, plant.damping, bending.frequency, bending.damping],
     )
-    motion = np.zeros((4, count + 1))
-    motion[0, 0] = release.angle
     start = (release.phase / (2.0 * math.pi)) % 1.0
-    step = 1.0 / (sample_rate * stride)
-    left_out = advance_bending(plant.amplitude, release.speed, start, step, stride, STOP, rod, motion)
-    if not left_out <= PROMISED:
-        raise PhysicsError(f'a step leaves out {left_out:.1g} rad: the rod swings too wildly for the promised accuracy')
+    for refinement in REFINEMENTS:
+        motion = np.zeros((4, count + 1))
+        motion[0, 0] = release.angle
+        steps = stride * refinement
+        step = 1.0 / (sample_rate * steps)
+        left_out = advance_bending(plant.amplitude, release.speed, start, step, steps, STOP, rod, motion)
+        if left_out <= PROMISED:
+            return _trajectory(sample_rate, motion)
+    raise PhysicsError(f'a step leaves out {left_out:.1g} rad: the rod swings too wildly for 1e-8 rad')
+
+
+def _trajectory(sample_rate: float, motion: NDArray[np.float64]) -> BentTrajectory:
     return BentTrajectory(
-        time=np.arange(count + 1) / sample_rate,
+        time=np.arange(motion.shape[1]) / sample_rate,
         angle=motion[0],
         rate=motion[1],
         deflection=motion[2],

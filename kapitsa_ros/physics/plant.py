@@ -121,7 +121,7 @@ class Pendulum:
         Raises
         ------
         PivotError
-            The samples lie too far apart for the motion between them.
+            The samples lie too far apart for the motion between them, the pivot's or the rod's.
         PhysicsError
             Impacts or reversals come too thick to be told apart.
 
@@ -143,5 +143,9 @@ class Pendulum:
             )
         if outcome == sampled.TOO_THICK:
             raise PhysicsError('impacts or reversals at the pivot come too thick to be told apart: reduce restitution')
+        if outcome == sampled.TOO_WILD:
+            raise PivotError(
+                f'pivot samples {pivot.period:.3g} s apart are too coarse for so quick a rod: sample it more often',
+            )
         self._state = state
         return Samples(period=pivot.period, position=motion[0], rate=motion[1], acceleration=motion[2])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.physics.bending import bend
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.physics.theory.slow import mean_growth, mean_turn, slow_amplitude
@@ -15,7 +16,8 @@ from kapitsa_ros.physics.theory.slow import mean_growth, mean_turn, slow_amplitu
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.physics.simulation import Release
+    from kapitsa_ros.physics.bending import Bending, BentTrajectory
+    from kapitsa_ros.physics.simulation import Release, Trajectory
 
 SMALL = 0.3  # rad: a falling rod is watched up to here, while its equation is nearly linear
 ALIVE = 0.2  # of the first slow amplitude: below, friction decides where it comes to rest
@@ -33,7 +35,7 @@ class SlowMotion:
     """Slow periods swung."""
 
 
-def observe(release: Release, duration: float) -> SlowMotion:
+def observe(release: Release, duration: float, bending: Bending | None = None) -> SlowMotion:
     """Watch a run through a stroboscope at the bottoms of the stroke.
 
     Parameters
@@ -42,11 +44,17 @@ def observe(release: Release, duration: float) -> SlowMotion:
         The run.
     duration
         How long it is watched, s; fewer than three turns of the shaft show nothing of the growth.
+    bending
+        The mode of a rod that bends: its frequency is the mean while it swings.
 
     """
     plant, speed = release.plant, release.speed
     turn = 2.0 * math.pi / speed
-    orbit = release.strobed(max(math.floor(duration / turn) - 1, 0))
+    turns = max(math.floor(duration / turn) - 1, 0)
+    if bending is None:
+        orbit: Trajectory | BentTrajectory = release.strobed(turns)
+    else:  # once a turn, though not at the bottom: that neither turns nor stretches the slow motion
+        orbit = bend(release, bending, max(turns, 1) * turn, 1.0 / turn)
     amplitude = slow_amplitude(plant, speed, orbit.angle, orbit.rate)
     swinging = amplitude[
         : _end(np.abs(orbit.angle) < SMALL if orbit.fell else np.abs(amplitude) > ALIVE * abs(amplitude[0]))
@@ -55,9 +63,10 @@ def observe(release: Release, duration: float) -> SlowMotion:
     if orbit.fell or release.angle == 0:
         return SlowMotion(frequency=None, growth=growth, periods=None)
 
-    if release.linear and plant.coulomb == 0 and plant.clearance == 0:
+    rigid = bending is None
+    if rigid and release.linear and plant.coulomb == 0 and plant.clearance == 0:
         frequency = slow_frequency_exact(plant, speed)
-    elif plant.damping == 0 and plant.coulomb == 0 and plant.clearance == 0:
+    elif rigid and plant.damping == 0 and plant.coulomb == 0 and plant.clearance == 0:
         frequency = slow_frequency_nonlinear(plant, speed, release.angle, release.phase)
     else:
         frequency = mean_turn(swinging) / turn if swinging.size > 2 else None

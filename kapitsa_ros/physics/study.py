@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels.verlet import verlet
-from kapitsa_ros.physics.theory.slow import mean_growth, slow_amplitude
+from kapitsa_ros.physics.theory.slow import mean_growth, slow_amplitude, smooth_mean
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     Orbit = NDArray[np.floating]
 
 VERLET_STEPS = 100
+AROUND = 250  # turns, a dozen slow periods: what an amplitude is the mean of
 SWINGING = 1.0  # rad: beyond, the rod is falling over
 SOLVERS: tuple[tuple[str, dict[str, float]], ...] = (
     ('RK45', {}),
@@ -85,11 +86,12 @@ def _watch(name: str, release: Release, work: Callable[[], Orbit]) -> Verdict:
     fallen = np.flatnonzero(np.abs(angle) >= SWINGING)
     end = int(fallen[0]) if fallen.size else angle.size
     amplitude = slow_amplitude(release.plant, release.speed, angle[:end], rate[:end])
+    around = min(AROUND, amplitude.size)
     return Verdict(
         solver=name,
         duration=(angle.size - 1) * turn,
         growth=mean_growth(amplitude) / turn,
-        amplitude_ratio=float(np.abs(amplitude[-50:]).mean() / np.abs(amplitude[:50]).mean()),
+        amplitude_ratio=smooth_mean(np.abs(amplitude[-around:])) / smooth_mean(np.abs(amplitude[:around])),
         fell_at=end * turn if fallen.size else None,
         cpu=cpu,
     )

@@ -58,6 +58,8 @@ def main() -> None:
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(FAILED)
         _leave(str(error), FAILED)
+    except MemoryError as error:
+        _leave(f'{error}: ask for less at once (a shorter run, fewer samples)', FAILED)
     except Interrupt as interrupt:
         _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:

@@ -11,7 +11,7 @@ import click
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
-from kapitsa_ros.units import parse_angle, parse_length, parse_speed
+from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_speed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -37,6 +37,8 @@ LENGTH = _Quantity('length', parse_length, '0.25, 9.75in or 0.2mm')
 """Metres."""
 SPEED = _Quantity('speed', parse_speed, '2240, 37.3Hz or 234rad/s')
 """rad/s; a bare number is RPM."""
+FREQUENCY = _Quantity('frequency', parse_frequency, '45, 45Hz or 283rad/s')
+"""rad/s; a bare number is Hz."""
 ANGLE = _Quantity('angle', parse_angle, '0.12 or 7deg')
 """Radians."""
 

@@ -39,7 +39,15 @@ def test_time_history_is_the_motion():
 
 def test_spectrum_names_its_lines():
     (axes,) = figures.power_spectrum(PLANT, SPEED).axes
-    assert [text.get_text().split('\n')[0] for text in axes.texts] == ['Ω', 'ω − Ω', 'ω + Ω', 'ω: no line']
+    assert [text.get_text().split('\n')[0] for text in axes.texts] == [
+        'Ω',
+        'ω − Ω',
+        'ω + Ω',
+        '3Ω',
+        'ω − 3Ω',
+        'ω + 3Ω',
+        'ω: no line',
+    ]
 
 
 def test_sweep_has_simulation_theories_and_measured_points():

@@ -5,9 +5,10 @@ import pytest
 from scipy.integrate import quad, solve_ivp
 
 from kapitsa_ros.physics.bending import Bending, bend, coupling
-from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.slow_motion import observe
 from kapitsa_ros.units import RPM
 
 PLANT = PlantParameters()
@@ -91,3 +92,29 @@ def test_what_a_bending_rod_has_not(wrong):
     release = Release(plant=PlantParameters(**wrong), speed=200.0, angle=0.1)
     with pytest.raises(ParameterError, match='bending rod'):
         bend(release, Bending(frequency=500.0), 1.0)
+
+
+def test_what_swings_it_too_wildly_is_refused():
+    """Resonance with the drive bends the rod without bound: what is left out is refined away until it cannot be."""
+    run = bend(RELEASE, Bending(frequency=45 * 2 * math.pi, damping=0.01), 2.0)
+    assert np.abs(run.deflection).max() > 0.01
+    with pytest.raises(PhysicsError, match='too wildly'):
+        bend(
+            Release(plant=PlantParameters(length=0.001, amplitude=1.0), speed=300.0, angle=1.0),
+            Bending(frequency=1.0),
+            1,
+        )
+
+
+def test_an_overdamped_mode_creeps():
+    """With ζ ≫ 1 the mode yields like a dashpot: the rod is the rigid one."""
+    rigid = RELEASE.sampled(0.2)
+    creeping = bend(RELEASE, Bending(frequency=900.0, damping=200.0), 0.2)
+    np.testing.assert_allclose(creeping.angle, rigid.angle, rtol=0, atol=1e-3)
+
+
+def test_slow_motion_tends_to_the_rigid_rods():
+    rigid = observe(RELEASE, 5.0).frequency
+    apart = [observe(RELEASE, 5.0, Bending(frequency=one)).frequency - rigid for one in (3e3, 6e3)]
+    assert apart[0] / apart[1] == pytest.approx(4.0, rel=0.05)
+    assert abs(apart[1]) < 1e-3 * rigid

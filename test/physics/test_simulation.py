@@ -2,12 +2,15 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from laboratory import jigsaw_at, swing
+from scipy.integrate import solve_ivp
 from truth import ENTRIES, plant_of, speed_of
 
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.ensemble import release_many
-from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.plant import Pendulum
 from kapitsa_ros.physics.simulation import Release
@@ -142,3 +145,59 @@ def test_bad_ensemble(wrong):
 def test_bad_plant(wrong):
     with pytest.raises(ParameterError, match=next(iter(wrong))):
         PlantParameters(**wrong)
+
+
+def test_too_fast_a_fall_is_refused():
+    """A hole that strikes a very light rod's pin throws it round faster than the shortest steps can follow."""
+    plant = PlantParameters(clearance=5e-3, inertia_factor=1e6)
+    with pytest.raises(PhysicsError, match='too wildly'):
+        Release(plant=plant, speed=SPEED, angle=1.0, phase=math.pi).sampled(0.1)
+    with pytest.raises(PhysicsError, match='too wildly'):
+        release_many(plant, speed=SPEED, angle=1.0, phase=math.pi, duration=0.1)
+
+
+def test_impacts_too_thick_to_be_told_apart_are_refused():
+    plant = PlantParameters(clearance=1e-12, restitution=1.0)
+    with pytest.raises(PhysicsError, match='too thick'):
+        Release(plant=plant, speed=SPEED, angle=0.1).sampled(1.0)
+    with pytest.raises(PhysicsError, match='too thick'):
+        release_many(plant, speed=SPEED, angle=0.1, duration=1.0)
+    with pytest.raises(PhysicsError, match='too thick'):
+        swing(plant, SPEED, 0.1, blocks=3)
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    length=st.floats(0.05, 2.0),
+    slenderness=st.floats(0.01, 0.6),
+    gravity=st.floats(0.1, 30.0),
+    inertia_factor=st.floats(0.5, 1.0),
+    damping=st.floats(0.0, 100.0),
+    rpm=st.floats(500, 4000),
+    angle=st.floats(-0.5, 0.5),
+    phase=st.floats(0.0, 6.28),
+)
+def test_a_run_is_what_scipy_makes_of_it_whatever_the_rod(
+    length, slenderness, gravity, inertia_factor, damping, rpm, angle, phase
+):
+    plant = PlantParameters(
+        length=length,
+        amplitude=slenderness * length,
+        gravity=gravity,
+        damping=damping,
+        inertia_factor=inertia_factor,
+    )
+    speed, end = rpm * RPM, 3 * 60 / rpm
+
+    def slope(t, y):
+        load = plant.gravity + plant.amplitude * speed**2 * math.cos(speed * t + phase)
+        return [y[1], plant.k * load * math.sin(y[0]) - plant.damping * y[1]]
+
+    def falls(_, y):
+        return abs(y[0]) - math.pi / 2
+
+    falls.terminal = True
+    known = solve_ivp(slope, (0, end), [angle, 0.0], method='DOP853', rtol=3e-14, atol=1e-16, events=falls)
+    run = Release(plant=plant, speed=speed, angle=angle, phase=phase).sampled(end, 1 / end)
+    assert run.fell == (known.status == 1)
+    assert run.angle[-1] == pytest.approx(known.y[0, -1], abs=1e-9)

@@ -3,7 +3,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
@@ -47,6 +47,30 @@ def test_exponents_are_those_of_the_monodromy_matrix(plant, rpm):
         assert slow == pytest.approx(abs(np.angle(largest)) * speed / (2 * math.pi), rel=1e-9)
     else:
         assert slow is None
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    length=st.floats(0.02, 2.0),
+    slenderness=st.floats(0.003, 0.9),
+    gravity=st.floats(0.1, 100.0),
+    inertia_factor=st.floats(0.5, 1.0),
+    damping=st.one_of(st.just(0.0), st.floats(-3.0, 2.5).map(lambda power: 10**power)),
+    above=st.floats(0.5, 4.0),
+)
+def test_growth_is_the_monodromys_whatever_the_rod(length, slenderness, gravity, inertia_factor, damping, above):
+    plant = PlantParameters(
+        length=length,
+        amplitude=slenderness * length,
+        gravity=gravity,
+        damping=damping,
+        inertia_factor=inertia_factor,
+    )
+    speed = above * theory.omega_crit_averaged(plant)
+    moduli = np.abs(np.linalg.eigvals(monodromy(plant, speed)))
+    turn = 2 * math.pi / speed
+    # A strongly damped map hardly reaches its larger multiplier's digits; SciPy's own are 1e-11 of the matrix.
+    assert theory.growth_rate(plant, speed) * turn == pytest.approx(math.log(moduli.max()), rel=1e-8, abs=1e-6)
 
 
 @pytest.mark.parametrize('plant', PLANTS)
@@ -123,3 +147,12 @@ def test_what_has_no_slow_frequency_says_so():
         theory.slow_frequency_nonlinear(plant, 1400 * RPM, 0.9)
     with pytest.raises(ParameterError, match='release'):
         theory.slow_frequency_nonlinear(plant, 2500 * RPM, 0.0)
+
+
+def test_what_double_precision_cannot_hold_says_so():
+    with pytest.raises(PhysicsError, match='too fast'):
+        theory.growth_rate(PlantParameters(), 1e-3)
+    with pytest.raises(PhysicsError, match='too fast'):
+        theory.growth_rate(PlantParameters(), 1e-200)
+    with pytest.raises(PhysicsError, match='damping'):
+        theory.omega_crit_exact(PlantParameters(damping=1e8))

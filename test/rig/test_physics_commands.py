@@ -129,3 +129,29 @@ def test_figures(tmp_path):
     files = answer(figures, '--output', str(tmp_path / 'drawn'))['figures']
     assert [file[-5] for file in files] == ['2', '4', '5', '6']
     assert all((tmp_path / 'drawn' / f'figure_{number}.png').stat().st_size > 10_000 for number in (2, 4, 5, 6))
+
+
+def test_simulate_a_bending_rod(tmp_path):
+    file = tmp_path / 'motion.npz'
+    values = answer(simulate, *RUN, '--bending-frequency', '400Hz', '--bending-damping', '0.01', '--output', str(file))
+    assert set(values) == set(answer(simulate, *RUN))
+    # The damped mode draws on the slow motion; the rigid rod swings at 114.17 RPM.
+    assert values['slow_rpm'] == pytest.approx(114.0, abs=0.2)
+    assert values['stuck'] is False
+    table = np.load(file)
+    assert list(table) == ['time_s', 'angle_rad', 'rate_rad_s', 'pivot_m', 'deflection_m']
+    assert 1e-6 < np.abs(table['deflection_m']).max() < 1e-3
+    bare = answer(simulate, *RUN, '--bending-frequency', '400', '--bending-damping', '0.01')
+    assert bare == values
+
+
+@pytest.mark.parametrize('more', [['--linear'], ['--coulomb', '1'], ['--clearance', '0.1mm']])
+def test_a_bending_rod_is_neither_rubbing_nor_linear(more):
+    result = CliRunner().invoke(simulate, [*RUN, '--bending-frequency', '400Hz', *more])
+    assert 'leave the bending out' in str(result.exception)
+    assert isinstance(result.exception, ParameterError)
+
+
+def test_bending_damping_needs_a_bending_rod():
+    result = CliRunner().invoke(simulate, [*RUN, '--bending-damping', '0.1'])
+    assert isinstance(result.exception, UsageError)

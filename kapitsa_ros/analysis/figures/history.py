@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def time_history(plant: PlantParameters, speed: float, release: float = 0.12, duration: float = 5.0) -> Figure:
     """Draw θ(t) of a rod released at rest at the bottom of the stroke (speed in rad/s)."""
     motion = Release(plant=plant, speed=speed, angle=release).sampled(duration)
-    figure = blank(f'Figure 4: time history of θ at {speed / RPM:.0f} RPM')
+    figure = blank(f'Figure 4: time history of θ at {speed / RPM:.0f} RPM, released at {release:g} rad')
     (axes,) = figure.axes
     axes.plot(motion.time, motion.angle, color=BLUE, linewidth=0.7)
     axes.set(xlabel='t (s)', ylabel='θ (rad)', xlim=(0.0, duration))

@@ -23,10 +23,10 @@ DURATION = 60.0
 
 
 def power_spectrum(plant: PlantParameters, speed: float, release: float = 0.12) -> Figure:
-    """Draw the amplitude spectrum of θ and name its lines: Ω and ω ± Ω, none at ω (speed in rad/s)."""
+    """Draw the amplitude spectrum of θ and name its lines: Ω and ω ± Ω, their thirds, none at ω (speed in rad/s)."""
     run = Release(plant=plant, speed=speed, angle=release)
     rpm, amplitude = amplitudes(run.sampled(DURATION, RATE).angle[:-1], RATE)
-    figure = blank(f'Figure 5: spectrum of θ at {speed / RPM:.0f} RPM')
+    figure = blank(f'Figure 5: spectrum of θ at {speed / RPM:.0f} RPM, released at {release:g} rad')
     (axes,) = figure.axes
     shown = rpm <= 1.25 * speed / RPM
     axes.semilogy(rpm[shown], amplitude[shown], color=BLUE, linewidth=0.7)
@@ -34,7 +34,10 @@ def power_spectrum(plant: PlantParameters, speed: float, release: float = 0.12) 
     lines = (('Ω', slow, 'left'), ('ω − Ω', fast - slow, 'right'), ('ω + Ω', fast + slow, 'left'))
     for name, at, side in lines:
         height = amplitude[np.argmin(np.abs(rpm - at))]
-        axes.annotate(f'{name}\n{at:.1f}', (at, height), (at, 3.0 * height), ha=side, fontsize=8, color=INK)
+        axes.annotate(f'{name}\n{at:.1f}', (at, height), (at, 2.0 * height), ha=side, fontsize=8, color=INK)
+    for name, at in (('3Ω', 3.0 * slow), ('ω − 3Ω', fast - 3.0 * slow), ('ω + 3Ω', fast + 3.0 * slow)):
+        height = amplitude[np.argmin(np.abs(rpm - at))]
+        axes.annotate(name, (at, height), (at, 2.0 * height), ha='center', fontsize=7, color=INK)
     axes.axvline(fast, color=INK, linewidth=0.6, linestyle=':')
     axes.text(fast, 0.5, 'ω: no line', ha='center', fontsize=8, color=INK, backgroundcolor='white')
     axes.set(xlabel='frequency (RPM)', ylabel='amplitude (rad)', xlim=(0.0, 1.25 * fast), ylim=(1e-8, 2.0))

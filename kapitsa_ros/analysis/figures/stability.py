@@ -34,15 +34,15 @@ def _draw_chart(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     upper = [theory.characteristic_b1(one) for one in q]
     axes.fill_between(q, lower, upper, color=BLUE, alpha=0.15, label='stable')
     axes.plot(q, lower, color=BLUE, label='a₀(q), exact')
-    axes.plot(q, upper, color=BLUE, linestyle=':', label='b₁(q), exact')
+    axes.plot(q, upper, color=BLUE, linestyle='-.', label='b₁(q), exact')
     axes.plot(
         q, [theory.boundary_perturbed(one) for one in q.tolist()], color=GREY, linestyle='--', label='a = −q²/2 (eq. 7)'
     )
     points = [theory.mathieu_a(plant, speed) for speed in speeds]
     axes.plot([theory.mathieu_q(plant)] * len(points), points, 'o', color=ORANGE, markersize=4, label='the runs')
     axes.axhline(0.0, color=INK, linewidth=0.6)
-    axes.set(xlabel='q = 3λ/L', ylabel='a = −6g/(ω²L)', xlim=(0, 1), ylim=(-0.5, 0.6))
-    axes.legend(fontsize=8)
+    axes.set(xlabel='q = 2kλ (3λ/L)', ylabel='a = −4kg/ω² (−6g/ω²L)', xlim=(0, 1), ylim=(-0.5, 0.6))
+    axes.legend(fontsize=8, loc='upper right')
 
 
 def _draw_bench(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> None:
@@ -51,11 +51,13 @@ def _draw_bench(axes: Axes, plant: PlantParameters, speeds: Sequence[float]) -> 
     found = theory.stability_map(plant, rpm * RPM, ratio * plant.length)
     axes.contourf(rpm, ratio, found.stable, levels=[0.5, 1.5], colors=[BLUE], alpha=0.15)
     axes.contour(rpm, ratio, found.stable, levels=[0.5], colors=[BLUE], linewidths=1.2)
+    axes.plot([], [], color=BLUE, label='exact, both limits')
+    axes.fill_between([], [], color=BLUE, alpha=0.15, label='stable')
     averaged = np.sqrt(2.0 * plant.gravity / plant.k) / (rpm * RPM) / plant.length
     axes.plot(rpm, averaged, color=GREY, linestyle='--', label='averaged (eq. 8)')
     points = np.asarray(speeds) / RPM
     axes.plot(
-        points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4, label='runs'
+        points, np.full(points.size, plant.amplitude / plant.length), 'o', color=ORANGE, markersize=4, label='the runs'
     )
     axes.set(xlabel='ω (RPM)', ylabel='λ/L', xlim=(500, 4000), ylim=(0, 0.4))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=8, loc='center right')

@@ -38,6 +38,9 @@ def frequency_sweep(
     axes.plot(coarse, simulated, 'x', color=INK, markersize=4, label=f'simulation, {release:g} rad')
     points = np.asarray(measured) / RPM
     axes.plot(points[:, 0], points[:, 1], 'o', color=ORANGE, label='measured')
+    edge = theory.omega_crit_exact(plant) / RPM
+    axes.axvspan(0.0, edge, color=GREY, alpha=0.15, linewidth=0)
+    axes.text(edge - 15.0, 20.0, f'falls below\n{edge:.1f} RPM', ha='right', fontsize=8, color=INK)
     axes.set(xlabel='ω (RPM)', ylabel='Ω (RPM)', xlim=(1000, 3000), ylim=(0, 160))
     axes.legend(fontsize=8)
     return figure

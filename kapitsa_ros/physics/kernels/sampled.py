@@ -30,8 +30,9 @@ if TYPE_CHECKING:
 ORDER = 13
 COARSEST = 1e-7  # highest coefficient over the sum: keeps 1e-9 rad over ten seconds
 ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into that coefficient
+LEFT_OUT = 1e-11  # rad, the last term of the angle's series
 ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
-DONE, TOO_COARSE, TOO_THICK = range(3)
+DONE, TOO_COARSE, TOO_THICK, TOO_WILD = range(4)
 
 
 @kernel
@@ -61,7 +62,8 @@ def advance_block(
     Returns
     -------
     int
-        DONE; TOO_COARSE, with nothing changed; TOO_THICK, where events could not be told apart.
+        DONE; TOO_COARSE, with nothing changed; TOO_THICK, where events could not be told apart; TOO_WILD, where the
+        rod does more between two samples than a series of this order holds.
 
     """
     intervals = pivot.shape[1] - 1
@@ -71,7 +73,7 @@ def advance_block(
     if _too_coarse(load, weight, pivot[0]):
         return TOO_COARSE
 
-    work = np.empty((WORK_ROWS, ORDER + 1))
+    work = np.zeros((WORK_ROWS, ORDER + 1))
     _record(load[0, 0] + weight, period, plant, state, motion[:, 0])
     for i in range(intervals):
         start = 0.0
@@ -80,6 +82,8 @@ def advance_block(
         load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
             return TOO_THICK
+        if not abs(work[0, -1]) <= LEFT_OUT:
+            return TOO_WILD
         at_end = load[i + 1, 0] + weight if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
     return DONE

@@ -1,4 +1,7 @@
-"""What theory says of the pendulum, from the averaged equation up to the nonlinear map."""
+"""What theory says of the pendulum, from the averaged equation up to the nonlinear map.
+
+SciPy's rooms are reached through `scipy` itself, which loads them at first use: a run need not wait for them.
+"""
 
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_frequency_averaged
 from kapitsa_ros.physics.theory.expansion import omega_crit_next_order, slow_frequency_next_order

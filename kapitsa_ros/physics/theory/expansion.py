@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_frequency_averaged
 from kapitsa_ros.physics.theory.mathieu import mathieu_a, mathieu_q
@@ -33,7 +33,7 @@ def omega_crit_next_order(plant: PlantParameters) -> float:
         return mathieu_a(plant, speed) - ratio - characteristic_series(-ratio, q)
 
     averaged = np.hypot(omega_crit_averaged(plant), plant.damping)
-    return float(brentq(excess, 0.5 * averaged, 2.0 * averaged, rtol=1e-14))
+    return float(scipy.optimize.brentq(excess, 0.5 * averaged, 2.0 * averaged, rtol=1e-14))
 
 
 def slow_frequency_next_order(plant: PlantParameters, speed: float) -> float | None:
@@ -46,5 +46,7 @@ def slow_frequency_next_order(plant: PlantParameters, speed: float) -> float | N
     highest = min(4.0 * (2.0 * averaged / speed) ** 2, 0.99)
     if characteristic_series(0.0, q) > goal or characteristic_series(highest, q) < goal:
         return None
-    square = float(brentq(lambda nu_squared: characteristic_series(nu_squared, q) - goal, 0.0, highest, xtol=1e-16))
+    square = float(
+        scipy.optimize.brentq(lambda nu_squared: characteristic_series(nu_squared, q) - goal, 0.0, highest, xtol=1e-16)
+    )
     return 0.5 * speed * float(np.sqrt(square))

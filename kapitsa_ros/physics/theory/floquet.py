@@ -10,7 +10,7 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels.mathieu import half_period
@@ -19,6 +19,8 @@ from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic
 if TYPE_CHECKING:
     from kapitsa_ros.physics.parameters import PlantParameters
 
+LONGEST_FALL = 1e4  # of √−a: a turn would multiply the fall by e^(πLONGEST_FALL), beyond any double
+MOST_DAMPED = 350.0  # sinh² of more is beyond any double
 _TOLERANCE = 4.0 * np.finfo(float).eps
 
 
@@ -31,13 +33,13 @@ def omega_crit_exact(plant: PlantParameters) -> float:
 
     def excess(inverse_speed: float) -> float:
         _, r1, x2, _ = _normal_solutions(plant, inverse_speed)
-        return r1 * x2 - math.sinh(0.5 * math.pi * plant.damping * inverse_speed) ** 2
+        return r1 * x2 - _grip(plant, inverse_speed)
 
     further = 1.1 * undamped
     while excess(further) <= 0:
         further *= 1.1
     # From within the stable side: where damping is slight, rounding decides the sign at the undamped threshold.
-    return 1.0 / float(brentq(excess, 0.99 * undamped, further, xtol=1e-300, rtol=_TOLERANCE))
+    return 1.0 / float(scipy.optimize.brentq(excess, 0.99 * undamped, further, xtol=1e-300, rtol=_TOLERANCE))
 
 
 def omega_crit_upper(plant: PlantParameters) -> float | None:
@@ -59,14 +61,14 @@ def omega_crit_upper(plant: PlantParameters) -> float | None:
 
     def excess(inverse_speed: float) -> float:
         x1, _, _, r2 = _normal_solutions(plant, inverse_speed)
-        return x1 * r2 + math.sinh(0.5 * math.pi * plant.damping * inverse_speed) ** 2
+        return x1 * r2 + _grip(plant, inverse_speed)
 
     fastest = math.sqrt(max(-characteristic_a1(q), 0.0)) / _stiffness(plant)
     unstable = next((s for s in np.linspace(slowest, fastest, 200)[1:] if excess(s) < 0), None)
     if unstable is None:
         return None
     stable = slowest - 0.01 * (fastest - slowest)
-    return 1.0 / float(brentq(excess, unstable, stable, xtol=1e-300, rtol=_TOLERANCE))
+    return 1.0 / float(scipy.optimize.brentq(excess, unstable, stable, xtol=1e-300, rtol=_TOLERANCE))
 
 
 def slow_frequency_exact(plant: PlantParameters, speed: float) -> float | None:
@@ -112,7 +114,20 @@ def _half_trace(plant: PlantParameters, speed: float) -> tuple[float, float]:
 
 
 def _normal_solutions(plant: PlantParameters, inverse_speed: float) -> tuple[float, float, float, float]:
-    return half_period(-((_stiffness(plant) * inverse_speed) ** 2), mathieu_q(plant))
+    rate = _stiffness(plant) * inverse_speed
+    if rate > LONGEST_FALL:
+        raise PhysicsError(
+            f'at {1.0 / inverse_speed:.3g} rad/s the rod falls too fast within one turn for double precision'
+        )
+    return half_period(-rate * rate, mathieu_q(plant))
+
+
+def _grip(plant: PlantParameters, inverse_speed: float) -> float:
+    """Return sinh²(πc/2ω): what damping allows half the trace beyond ±1, halved."""
+    exponent = 0.5 * math.pi * plant.damping * inverse_speed
+    if exponent > MOST_DAMPED:
+        raise PhysicsError(f'damping of {plant.damping:.3g} 1/s hides the threshold from double precision: reduce it')
+    return math.sinh(exponent) ** 2
 
 
 def _stiffness(plant: PlantParameters) -> float:

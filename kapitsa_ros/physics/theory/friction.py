@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scipy.integrate import quad
+import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.simulation import Release
@@ -42,7 +42,9 @@ def dithered_factor(ratio: float) -> float:
     (2/π) asin of the friction through. Without dither (r → ∞) K = 4.
     """
     saturated = math.atan2(1.0, ratio)
-    sliding = float(quad(lambda psi: math.asin(min(1.0, ratio * math.tan(psi))) * math.sin(psi), 0.0, saturated)[0])
+    sliding = float(
+        scipy.integrate.quad(lambda psi: math.asin(min(1.0, ratio * math.tan(psi))) * math.sin(psi), 0.0, saturated)[0]
+    )
     return 8.0 / math.pi * sliding + 4.0 * math.cos(saturated)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from scipy.integrate import quad
+import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.averaged import slow_frequency_averaged
@@ -80,4 +80,4 @@ def slow_frequency_large(plant: PlantParameters, speed: float, amplitude: float)
 
     if stiffness * (1.0 - 2.0 * edge**2) <= weight:
         raise PhysicsError(f'a slow swing of {amplitude:.6g} rad passes the barrier: the rod falls over')
-    return small * math.pi / (2.0 * averaged * float(quad(time, 0.0, 0.5 * math.pi, epsrel=1e-12)[0]))
+    return small * math.pi / (2.0 * averaged * float(scipy.integrate.quad(time, 0.0, 0.5 * math.pi, epsrel=1e-12)[0]))

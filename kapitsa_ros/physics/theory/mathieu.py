@@ -9,7 +9,7 @@ import math
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from scipy.optimize import newton
+import scipy
 
 from kapitsa_ros.physics.kernels.mathieu import half_period
 
@@ -73,4 +73,4 @@ def _lowest(diagonal: NDArray[np.floating], off: NDArray[np.floating]) -> float:
 
 def _polished(edge: Callable[[float], float], guess: float) -> float:
     """Take the rounding of the eigenvalue out of an edge: the power series is good to the last bits near it."""
-    return float(newton(edge, guess, x1=guess + 1e-6, tol=1e-15))
+    return float(scipy.optimize.newton(edge, guess, x1=guess + 1e-6, tol=1e-15))

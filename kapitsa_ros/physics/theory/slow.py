@@ -42,13 +42,18 @@ def slow_amplitude(
 def mean_turn(amplitude: NDArray[np.complex128]) -> float:
     """Return the mean angle from one amplitude to the next, rad in [0, 2π)."""
     steps = np.mod(np.angle(amplitude[:-1] / amplitude[1:]), 2.0 * np.pi)
-    return float(_bump(steps.size) @ steps)
+    return smooth_mean(steps)
 
 
 def mean_growth(amplitude: NDArray[np.complex128]) -> float:
     """Return the mean growth of ln |amplitude| from one to the next."""
     steps = np.diff(np.log(np.abs(amplitude)))
-    return float(_bump(steps.size) @ steps)
+    return smooth_mean(steps)
+
+
+def smooth_mean(values: NDArray[np.float64]) -> float:
+    """Return a mean that forgets oscillations faster than any power of how many values there are."""
+    return float(_bump(values.size) @ values)
 
 
 def _bump(count: int) -> NDArray[np.float64]:

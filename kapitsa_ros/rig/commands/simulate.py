@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.bending import Bending, BentTrajectory, bend
+from kapitsa_ros.physics.simulation import Release, Trajectory
 from kapitsa_ros.physics.slow_motion import observe
-from kapitsa_ros.rig.options import ANGLE, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.options import ANGLE, FREQUENCY, SPEED, json_option, plant_options, print_json
 from kapitsa_ros.rig.table_files import SUFFIXES, write_table
 from kapitsa_ros.units import RPM
 
@@ -25,6 +27,8 @@ if TYPE_CHECKING:
 @click.option('--phase', type=ANGLE, default=0.0, show_default=True, help='p: 0 starts the pivot at the bottom')
 @click.option('--duration', type=float, required=True, help='seconds')
 @click.option('--linear', is_flag=True, help='θ for sin θ')
+@click.option('--bending-frequency', type=FREQUENCY, help="of the rod's first bending mode (Hz); rigid where not given")
+@click.option('--bending-damping', type=float, help='of that mode, a share of critical  [default: 0]')
 @click.option('--output', type=click.Path(path_type=Path, dir_okay=False), help=f'file for the motion: {SUFFIXES}')
 @click.option('--sample-rate', type=float, default=1000.0, show_default=True, help='Hz')
 @json_option
@@ -38,15 +42,20 @@ def simulate(
     output: Path | None,
     sample_rate: float,
     linear: bool,
+    bending_frequency: float | None,
+    bending_damping: float | None,
     as_json: bool,
 ) -> None:
     """Release the rod at rest on a shaking pivot and say what becomes of it."""
     run = Release(plant=plant, speed=speed, angle=release, phase=phase, linear=linear)
-    motion = run.sampled(duration, sample_rate)
-    slow = observe(run, duration)
+    bending = _bending(bending_frequency, bending_damping)
+    motion = run.sampled(duration, sample_rate) if bending is None else bend(run, bending, duration, sample_rate)
+    slow = observe(run, duration, bending)
     if output is not None:
         pivot = -plant.amplitude * np.cos(speed * motion.time + phase)
         columns = {'time_s': motion.time, 'angle_rad': motion.angle, 'rate_rad_s': motion.rate, 'pivot_m': pivot}
+        if isinstance(motion, BentTrajectory):
+            columns['deflection_m'] = motion.deflection
         write_table(output, columns)
     answer = {
         'slow_rpm': None if slow.frequency is None else slow.frequency / RPM,
@@ -54,7 +63,7 @@ def simulate(
         'max_angle_rad': float(np.abs(motion.angle).max()),
         'fell': motion.fell,
         'final_angle_rad': float(motion.angle[-1]),
-        'stuck': motion.stuck,
+        'stuck': isinstance(motion, Trajectory) and motion.stuck,
         'periods': slow.periods,
     }
     if as_json:
@@ -62,3 +71,11 @@ def simulate(
     else:
         for name, value in answer.items():
             click.echo(f'{name:16} {value}')
+
+
+def _bending(frequency: float | None, damping: float | None) -> Bending | None:
+    if frequency is not None:
+        return Bending(frequency=frequency, damping=damping or 0.0)
+    if damping is not None:
+        raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
+    return None
