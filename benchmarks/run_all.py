@@ -1,4 +1,4 @@
-"""Run every benchmark, one after the other, and write the table for the README: benchmarks/results.md."""
+"""Run every benchmark, one after the other, and write their table into the README, between its two marks."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+BEGIN, END = '<!-- make bench -->', '<!-- end of make bench -->'
 SCRIPTS = ('smooth_run', 'friction_run', 'sampled_block', 'stability_map', 'trajectories', 'first_result')
 
 
@@ -21,8 +22,15 @@ def main() -> None:
         print(output, end='', flush=True)
         claims += [json.loads(line) for line in output.splitlines()]
     table = '\n'.join(rows(claims)) + '\n'
-    (HERE / 'results.md').write_text(table, encoding='utf-8')
+    write_table(HERE.parent / 'README.md', table)
     print(f'\n{table}')
+
+
+def write_table(readme: Path, table: str) -> None:
+    """Replace what stands between the marks."""
+    before, rest = readme.read_text(encoding='utf-8').split(BEGIN)
+    _, after = rest.split(END)
+    readme.write_text(f'{before}{BEGIN}\n{table}{END}{after}', encoding='utf-8')
 
 
 def rows(claims: list[dict[str, object]]) -> list[str]:

@@ -71,7 +71,7 @@ class Samples:
         if uneven.any():
             at = int(np.argmax(steps))
             raise PivotError(
-                f'the sample at {times[at]:.9g} s lies {steps[at]:.6g} s from the next, others {np.median(steps):.6g} s: '
+                f'{steps[at]:.6g} s follow the sample at {times[at]:.9g} s, others {np.median(steps):.6g} s: '
                 'give a record without gaps'
             )
         return cls(float(period), *(np.asarray(array, dtype=float) for array in (position, rate, acceleration)))

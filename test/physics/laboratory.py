@@ -3,7 +3,9 @@
 import math
 
 import numpy as np
+from hypothesis import strategies as st
 
+from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.physics.pivot import Jigsaw
 from kapitsa_ros.physics.plant import Pendulum
 
@@ -25,3 +27,13 @@ def swing(plant, speed, release, *, blocks, duration=0.1, count=100, linear=Fals
     angle = np.concatenate([motions[0].position[:1]] + [motion.position[1:] for motion in motions])
     rate = np.concatenate([motions[0].rate[:1]] + [motion.rate[1:] for motion in motions])
     return np.arange(angle.size) * (duration / count), angle, rate, pendulum
+
+
+def rods(*, slenderness, length, **others):
+    """Draw plants whose stroke is a share of their rod's length."""
+    return st.builds(
+        lambda share, size, **rest: PlantParameters(length=size, amplitude=share * size, **rest),
+        slenderness,
+        length,
+        **others,
+    )

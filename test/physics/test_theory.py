@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from laboratory import rods
 from scipy.integrate import solve_ivp
 
 from kapitsa_ros.physics import theory
@@ -51,21 +52,16 @@ def test_exponents_are_those_of_the_monodromy_matrix(plant, rpm):
 
 @settings(max_examples=15, deadline=None)
 @given(
-    length=st.floats(0.02, 2.0),
-    slenderness=st.floats(0.003, 0.9),
-    gravity=st.floats(0.1, 100.0),
-    inertia_factor=st.floats(0.5, 1.0),
-    damping=st.one_of(st.just(0.0), st.floats(-3.0, 2.5).map(lambda power: 10**power)),
+    plant=rods(
+        slenderness=st.floats(0.003, 0.9),
+        length=st.floats(0.02, 2.0),
+        gravity=st.floats(0.1, 100.0),
+        inertia_factor=st.floats(0.5, 1.0),
+        damping=st.one_of(st.just(0.0), st.floats(-3.0, 2.5).map(lambda power: 10**power)),
+    ),
     above=st.floats(0.5, 4.0),
 )
-def test_growth_is_the_monodromys_whatever_the_rod(length, slenderness, gravity, inertia_factor, damping, above):
-    plant = PlantParameters(
-        length=length,
-        amplitude=slenderness * length,
-        gravity=gravity,
-        damping=damping,
-        inertia_factor=inertia_factor,
-    )
+def test_growth_is_the_monodromys_whatever_the_rod(plant, above):
     speed = above * theory.omega_crit_averaged(plant)
     moduli = np.abs(np.linalg.eigvals(monodromy(plant, speed)))
     turn = 2 * math.pi / speed
