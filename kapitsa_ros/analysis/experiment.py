@@ -31,6 +31,8 @@ class Experiment:
     """The best estimate: the exact curve fitted to all that was read."""
     interval: tuple[float | None, float | None] | None
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
+    discrepancy: float | None
+    """Relative error of the periods beyond the stated ones that makes the runs agree (see `direct_fit`)."""
     inverse: float | None
     ordinary: float | None
     predicted: float
@@ -108,6 +110,7 @@ def _reduce(plant: PlantParameters, readings: Readings, evidence: Callable[[], E
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
+        discrepancy=None if best is None else best.discrepancy,
         inverse=_fit(inverse, readings),
         ordinary=_fit(ordinary, readings),
         predicted=omega_crit_averaged(ideal_rod(plant)),

@@ -27,6 +27,7 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
     return {
         'omega_crit_rpm': _rpm(experiment.omega_crit),
         'omega_crit_interval_rpm': None if interval is None else [_rpm(end) for end in interval],
+        'discrepancy_percent': None if experiment.discrepancy is None else 100.0 * experiment.discrepancy,
         'inverse_rpm': _rpm(experiment.inverse),
         'ols_rpm': _rpm(experiment.ordinary),
         'predicted_rpm': experiment.predicted / RPM,

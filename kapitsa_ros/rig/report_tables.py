@@ -67,6 +67,10 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
     table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
     low, high = values['omega_crit_interval_rpm'] or (None, None)
     table.add_row('its 95 % interval', '', f'{_end(low)} to {_end(high)} RPM')
+    if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
+        table.add_row(
+            'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
+        )
     table.add_row('exact threshold of the plant simulated', '', _number(values['truth_rpm'], '.2f', ' RPM'))
     return table
 

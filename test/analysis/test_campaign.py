@@ -47,6 +47,14 @@ def test_friction_of_a_bearing_stays_within_the_interval():
     assert fit.interval[0] < omega_crit_exact(load_preset('bearing')) < fit.interval[1]
 
 
+@pytest.mark.parametrize('seed', [1, 2])
+def test_friction_the_curve_does_not_know_stays_within_the_interval(seed):
+    plant = load_preset('as_built_1997')  # Coulomb friction eats the swing, and one release has to be doubled
+    outcome = perform(experiment(plant, 'ideal'), seed)
+    assert outcome.covers(true_threshold(plant))
+    assert (outcome.interval[1] - outcome.interval[0]) / RPM < 100
+
+
 def test_same_seed_same_readings_and_other_seeds_others():
     runs = [experiment(seed=seed).runs() for seed in (1, 1, 2)]
     shown = [[(run.speeds, run.timings) for run in each] for each in runs]

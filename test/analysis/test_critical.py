@@ -101,6 +101,26 @@ def test_falls_and_stands_narrow_the_interval():
     assert free.interval[0] / RPM < 1338 < low < 1354.8 < high < 1370 < free.interval[1] / RPM
 
 
+def test_periods_that_do_not_follow_the_curve_widen_the_interval():
+    nudged = periods(IDEAL) * np.array([1.0 - 0.004, 1.0 + 0.003, 1.0 - 0.002])
+    fit = direct_fit(
+        Evidence(timed=readings(SPEEDS, nudged, 1e-6), release=np.full(SPEEDS.size, 0.12)), Ruler(amplitude=0.0127)
+    )
+    assert fit.chi_squared > 1000
+    assert 0.002 < fit.discrepancy < 0.006
+    assert fit.amplitude == pytest.approx(0.0127, abs=0.25e-3)  # the ruler is believed, not bent
+    low, high = (end / RPM for end in fit.interval)
+    assert low < 1354.80 < high
+    assert high - low > 20
+    assert direct_fit(evidence(IDEAL), Ruler(amplitude=0.0127)).discrepancy == 0.0
+
+
+def test_fall_above_a_speed_at_which_it_stood_bounds_nothing():
+    fit = direct_fit(evidence(IDEAL, 0.033, fell=(bound(2500),), stood=(bound(1500),)), Ruler(amplitude=0.0127))
+    assert fit.discrepancy is None
+    assert fit.interval == (None, None)
+
+
 def test_errors_in_variables_on_the_table_of_1997():
     fit = errors_in_variables(read_table(share_path('config', 'tables', '1997.csv')))
     assert fit.omega_crit / RPM == pytest.approx(1616.86, abs=0.01)

@@ -46,7 +46,7 @@ def test_keys_are_those_of_the_contract(recorded: Recorded) -> None:
     values = recorded[1]
     assert set(values) == {
         'runs', 'omega_crit_rpm', 'omega_crit_interval_rpm', 'inverse_rpm', 'ols_rpm', 'predicted_rpm',
-        'error_percent', 'truth_rpm', 'realtime_factor',
+        'error_percent', 'truth_rpm', 'discrepancy_percent', 'realtime_factor',
     }  # fmt: skip
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):
         assert set(run) == {'bag', 'speed_reading_rpm', 'period_s', 'slow_rpm', 'fell', 'samples', 'gaps'}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import OptimizeResult, brentq, least_squares
 
+from kapitsa_ros.analysis.critical.dark_error import dark_error, improbable, rise_95
 from kapitsa_ros.analysis.critical.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.critical.likelihood import DAMPING_SIGMA, Likelihood
 from kapitsa_ros.analysis.errors import AnalysisError
@@ -40,7 +41,9 @@ class CriticalSpeed:
     k: float
     """m·l_c/I, 1/m, wherever the mass may sit in the rod."""
     chi_squared: float
-    """At the best fit, the ruler's and the bounds' share included."""
+    """At the best fit with the errors stated, the ruler's and the bounds' share included."""
+    discrepancy: float | None = 0.0
+    """Relative error of the periods beyond the stated ones, by which the runs agree; None where none makes them."""
 
 
 def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) -> CriticalSpeed:
@@ -52,6 +55,11 @@ def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) ->
     effect on the period (effective variance). The interval is by profile likelihood in the averaged threshold, which
     the exact one follows to 1e-4 whatever λ.
 
+    Where χ² is improbably large, friction or play that the curve does not know is at work, and the stated errors alone
+    would give an interval too narrow. Then all periods get a further relative error, just large enough for χ² to be
+    what it should (see `dark_error`), and the interval Student's quantile, as that error is known from few runs. Runs
+    that no such error reconciles contradict one another: their interval is unbounded.
+
     Raises
     ------
     AnalysisError
@@ -61,23 +69,43 @@ def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) ->
     if not evidence.timed.period.size:
         raise AnalysisError('no swing was timed in any run: time one')
     likelihood = Likelihood(evidence, ruler, gravity)
-    best = np.array([likelihood.first_guess(), ruler.amplitude, 0.0])
+    found = _fitted(likelihood)
+    stated = 2.0 * float(found.cost)
+    freedom = max(evidence.timed.period.size - 1, 1)
+    dark: float | None = 0.0
+    rise = RISE_95
+    if improbable(stated, freedom):
+
+        def with_dark_error(error: float) -> float:
+            likelihood.discrepancy = error
+            return 2.0 * float(_fitted(likelihood).cost)
+
+        dark, rise = dark_error(with_dark_error, freedom), rise_95(freedom)
+        likelihood.discrepancy = dark or 0.0
+        found = _fitted(likelihood)
+    best = found.x
+    plant = likelihood.plant(*best)
+    exact = math.hypot(omega_crit_exact(likelihood.plant(best[0], best[1], 0.0)), best[2])  # damping: next order
+    lower, upper = (None, None) if dark is None else _interval(likelihood, found, rise)
+    return CriticalSpeed(
+        omega_crit=exact,
+        interval=(lower and float(lower * exact / best[0]), upper and float(upper * exact / best[0])),
+        amplitude=plant.amplitude,
+        k=plant.k,
+        chi_squared=stated,
+        discrepancy=dark,
+    )
+
+
+def _fitted(likelihood: Likelihood) -> OptimizeResult:
+    best = np.array([likelihood.first_guess(), likelihood.ruler.amplitude, 0.0])
     for _ in range(_MOST_PASSES):
         likelihood.correct_for_width(*best[:2])
         found = _minimise(likelihood.residuals, best)
         moved, best = abs(found.x[0] - best[0]), found.x
         if moved < _SETTLED * _sigma(found):
             break
-    plant = likelihood.plant(*best)
-    exact = math.hypot(omega_crit_exact(likelihood.plant(best[0], best[1], 0.0)), best[2])  # damping: next order
-    lower, upper = _interval(likelihood, found)
-    return CriticalSpeed(
-        omega_crit=exact,
-        interval=(lower and float(lower * exact / best[0]), upper and float(upper * exact / best[0])),
-        amplitude=plant.amplitude,
-        k=plant.k,
-        chi_squared=2.0 * float(found.cost),
-    )
+    return found
 
 
 def _minimise(residuals: Callable[..., NDArray[np.float64]], start: NDArray[np.float64]) -> OptimizeResult:
@@ -107,14 +135,14 @@ def _sigma(found: OptimizeResult) -> float:
     return float(np.sqrt(np.linalg.pinv(jacobian.T @ jacobian)[0, 0]) / scale[0])
 
 
-def _interval(likelihood: Likelihood, found: OptimizeResult) -> tuple[float | None, float | None]:
-    """Return where the profile of the threshold has risen by `RISE_95`, on either side."""
+def _interval(likelihood: Likelihood, found: OptimizeResult, rise: float) -> tuple[float | None, float | None]:
+    """Return where the profile of the threshold has risen by `rise`, on either side."""
     best, others = float(found.x[0]), found.x[1:]
     step = _sigma(found)
 
     def excess(threshold: float) -> float:
         profiled = _minimise(lambda *rest: likelihood.residuals(threshold, *rest), others)
-        return 2.0 * float(profiled.cost - found.cost) - RISE_95
+        return 2.0 * float(profiled.cost - found.cost) - rise
 
     def end(direction: int) -> float | None:
         inner, outer = best, best + 2.0 * direction * step

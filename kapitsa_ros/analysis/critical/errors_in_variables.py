@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import OptimizeResult, brentq, least_squares, minimize_scalar
 from scipy.stats import chi2
 
+from kapitsa_ros.analysis.critical.dark_error import dark_error, improbable, rise_95
 from kapitsa_ros.analysis.table import require_two_speeds
 
 if TYPE_CHECKING:
@@ -37,7 +38,9 @@ class LineFit:
     slope: float
     """Of Ω² over ω²."""
     chi_squared: float
-    """At the best line; its expectation is the number of readings less two."""
+    """At the best line with the errors stated; its expectation is the number of readings less two."""
+    discrepancy: float | None = 0.0
+    """Relative error of the periods beyond the stated ones, by which the readings agree; None where none does it."""
 
 
 def errors_in_variables(readings: Readings) -> LineFit:
@@ -46,6 +49,8 @@ def errors_in_variables(readings: Readings) -> LineFit:
     The readings err in T, and T⁻² of an unbiased T is biased: hence the fit in T. The true speeds and periods of the
     runs are parameters too, as the line wants them (York, Can. J. Phys. 44, 1079 (1966)). Replacing them by an
     effective variance would reward steep lines, which make any error of ω count for more.
+
+    Readings too far from any line for their errors get a further one, as in the direct fit.
 
     Parameters
     ----------
@@ -59,26 +64,32 @@ def errors_in_variables(readings: Readings) -> LineFit:
 
     """
     require_two_speeds(readings)
+    freedom = readings.period.size - 2
     profile = _Profile(readings)
-    edge = float(readings.forcing.min() ** 2)
-    # The squared critical speed is anything below the lowest speed squared: search on a scale that reaches far down.
-    found = minimize_scalar(
-        lambda x: profile.chi_squared(edge * (1.0 - math.exp(x))),
-        bounds=(math.log(1e-9), math.log(_FARTHEST)),
-        method='bounded',
-        options={'xatol': 1e-10},
-    )
-    best, lowest = edge * (1.0 - math.exp(found.x)), float(found.fun)
+    best, stated = profile.minimum()
+    lowest, rise = stated, RISE_95
+    dark: float | None = 0.0
+    if improbable(stated, freedom):
+        dark = dark_error(lambda error: _Profile(_with_error(readings, error)).minimum()[1], freedom)
+        rise = rise_95(freedom)
+        profile = _Profile(_with_error(readings, dark or 0.0))
+        best, lowest = profile.minimum()
 
     def excess(square: float) -> float:
-        return profile.chi_squared(square) - lowest - RISE_95
+        return profile.chi_squared(square) - lowest - rise
 
+    ends = (None, None) if dark is None else (_lower_end(excess, best), _upper_end(excess, best, profile.edge))
     return LineFit(
         omega_crit=math.sqrt(best) if best > 0.0 else None,
-        interval=(_lower_end(excess, best), _upper_end(excess, best, edge)),
+        interval=ends,
         slope=profile.slope(best),
-        chi_squared=lowest,
+        chi_squared=stated,
+        discrepancy=dark,
     )
+
+
+def _with_error(readings: Readings, error: float) -> Readings:
+    return replace(readings, period_sigma=np.hypot(readings.period_sigma, error * readings.period))
 
 
 class _Profile:
@@ -86,6 +97,8 @@ class _Profile:
 
     def __init__(self, readings: Readings) -> None:
         self._readings = readings
+        self.edge = float(readings.forcing.min() ** 2)
+        """Lowest speed squared: the critical one is anything below."""
         self._forcing_sigma = np.hypot(readings.forcing_sigma, _FLOOR * readings.forcing)
         self._period_sigma = np.hypot(readings.period_sigma, _FLOOR * readings.period)
 
@@ -108,6 +121,16 @@ class _Profile:
         return least_squares(
             misfit, start, x_scale=np.full(start.size, 0.1), method='lm', xtol=1e-13, ftol=1e-13, gtol=1e-13
         )
+
+    def minimum(self) -> tuple[float, float]:
+        """Return the best ω_crit² and its χ², searched on a scale that reaches far below zero."""
+        found = minimize_scalar(
+            lambda x: self.chi_squared(self.edge * (1.0 - math.exp(x))),
+            bounds=(math.log(1e-9), math.log(_FARTHEST)),
+            method='bounded',
+            options={'xatol': 1e-10},
+        )
+        return self.edge * (1.0 - math.exp(found.x)), float(found.fun)
 
     def slope(self, square: float) -> float:
         """Return the slope of the best line through a given ω_crit²."""

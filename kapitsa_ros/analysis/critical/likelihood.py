@@ -33,7 +33,10 @@ class Likelihood:
 
     def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float) -> None:
         self._evidence = evidence
-        self._ruler = ruler
+        self.ruler = ruler
+        """What is known of λ."""
+        self.discrepancy = 0.0
+        """Relative error of the model's periods, to be added to the stated errors."""
         self._gravity = gravity
         self._slowing = np.zeros_like(evidence.timed.period)
 
@@ -49,7 +52,7 @@ class Likelihood:
 
     def first_guess(self) -> float:
         """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""
-        timed, amplitude = self._evidence.timed, self._ruler.amplitude
+        timed, amplitude = self._evidence.timed, self.ruler.amplitude
         stroke = (amplitude * timed.forcing) ** 2
         k = (self._gravity + np.sqrt(self._gravity**2 + 2.0 * stroke * timed.slow**2)) / stroke
         return float(np.median(np.sqrt(2.0 * self._gravity / k) / amplitude))
@@ -72,15 +75,16 @@ class Likelihood:
         small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
         slow = small * (1.0 - self._slowing * self._wane(damping))
         steepness = (plant.k * plant.amplitude) ** 2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
+        floor = _FLOOR**2 + self.discrepancy**2
         sigma = timed.period * np.sqrt(
-            (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + _FLOOR**2
+            (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + floor
         )
         exact = threshold * (1.0 + 7.0 / 128.0 * (2.0 * plant.k * amplitude) ** 2)  # the next term of a₀(q), DLMF 28.6
         return np.concatenate(
             (
                 (timed.period - 2.0 * math.pi / slow) / sigma,
                 self._bounds(exact),
-                ((amplitude - self._ruler.amplitude) / self._ruler.sigma, damping / DAMPING_SIGMA),
+                ((amplitude - self.ruler.amplitude) / self.ruler.sigma, damping / DAMPING_SIGMA),
             )
         )
 

@@ -29,6 +29,8 @@ def reduce(readings: Readings, plant: PlantParameters, *, as_json: bool) -> None
     0.05 s where not given). The plant's options say what theory predicts.
     """
     forward, backward, weighed = ordinary(readings), inverse(readings), errors_in_variables(readings)
+    for warning in _warnings(weighed.discrepancy):
+        click.echo(f'kapitsa: warning: {warning}', err=True)
     predicted = omega_crit_averaged(plant)
     low, high = (_rpm(end) for end in weighed.interval)
     ratio = slope_ratio(forward, plant)
@@ -40,6 +42,7 @@ def reduce(readings: Readings, plant: PlantParameters, *, as_json: bool) -> None
                 'inverse_rpm': _rpm(backward.omega_crit),
                 'eiv_rpm': _rpm(weighed.omega_crit),
                 'eiv_interval_rpm': [low, high],
+                'eiv_discrepancy_percent': None if weighed.discrepancy is None else 100.0 * weighed.discrepancy,
                 'slope_ratio': ratio,
                 'predicted_rpm': predicted / RPM,
                 'error_percent': error,
@@ -53,6 +56,15 @@ def reduce(readings: Readings, plant: PlantParameters, *, as_json: bool) -> None
     click.echo(f'slope over theory        {ratio:.4f}')
     if error is not None:
         click.echo(f'error of the inverse fit {error:+.1f} %')
+
+
+def _warnings(discrepancy: float | None) -> list[str]:
+    if discrepancy == 0.0:
+        return []
+    said = 'the readings lie farther from any line than their errors allow'
+    if discrepancy is None:
+        return [f'{said}: they contradict one another, and bound nothing']
+    return [f'{said}: {100.0 * discrepancy:.2g} % of each period is added to its error']
 
 
 def _rpm(speed: float | None) -> float | None:
