@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -33,6 +35,15 @@ def test_friction_hardly_moves_it():
     evidence = evidence_from_motion([recorded(plant, rpm) for rpm in (1800, 2240, 2780)], NOMINAL)
     fit = direct_fit(evidence, Ruler(amplitude=NOMINAL.amplitude))
     assert fit.omega_crit == pytest.approx(omega_crit_exact(plant), rel=2e-3)
+
+
+def test_what_friction_does_to_the_period_stays_within_the_interval():
+    plant = replace(load_preset('as_built_1997'), clearance=0.0)
+    evidence = evidence_from_motion([recorded(plant, rpm) for rpm in (2240, 2640, 2780)], NOMINAL)
+    small = [2 * np.pi / slow_frequency_exact(plant, speed) for speed in evidence.timed.forcing]
+    assert (abs(evidence.timed.period / small - 1) > 2e-3).all()
+    fit = direct_fit(evidence, Ruler(amplitude=NOMINAL.amplitude))
+    assert fit.interval[0] < omega_crit_exact(plant) < fit.interval[1]
 
 
 def test_swing_begins_at_the_release_and_ends_where_friction_stops_it():

@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 def evidence_from_motion(runs: Sequence[RecordedRun], nominal: PlantParameters) -> Evidence:
     """Fit the slow frequency of each recorded swing, reduced to a small one; speeds are those asked.
 
+    What friction does to a period is of second order in the decay a radian, γ/Ω, and hangs on its law: viscous friction
+    lengthens it by half of (γ/Ω)², Coulomb friction under dither by about all of it. As the law is not known, (γ/Ω)²
+    is taken for a standard error.
+
     Parameters
     ----------
     runs
@@ -48,7 +52,8 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: PlantParameters) 
         softening = _softening(nominal, run.speed_asked, abs(run.release or 0.0))
         slow = sinusoid_frequency(recorded.living_swing(), softening)
         period = 2.0 * math.pi / slow.value
-        rows.append((run.speed_asked, period, period * slow.sigma / slow.value))
+        friction = (slow.decay / slow.value) ** 2
+        rows.append((run.speed_asked, period, period * math.hypot(slow.sigma / slow.value, friction)))
     if not rows:
         raise AnalysisError('no run shows a swing: give one that stayed up')
     forcing, period_column, sigma = np.array(rows, dtype=np.float64).T

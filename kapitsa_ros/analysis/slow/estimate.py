@@ -22,6 +22,8 @@ class SlowEstimate:
     """rad/s (of a lap: s)."""
     sigma: float
     """Standard error, same unit; nan where the record does not tell."""
+    decay: float = math.nan
+    """γ of an amplitude that goes as e^(−γt), 1/s; nan where it was not fitted."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

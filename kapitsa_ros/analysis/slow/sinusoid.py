@@ -61,7 +61,7 @@ def sinusoid_frequency(record: SwingRecord, softening: float = 0.0) -> SlowEstim
         amplitude_squared = float(weights[0] ** 2 + weights[1] ** 2)
     noise = found.fun @ found.fun / (record.angle.size - lines.shape[1] - 2)
     variance = noise * np.linalg.inv(found.jac.T @ found.jac)[0, 0]
-    return SlowEstimate(value=float(start[0]), sigma=math.sqrt(variance))
+    return SlowEstimate(value=float(start[0]), sigma=math.sqrt(variance), decay=float(start[1]))
 
 
 def _lines(record: SwingRecord, parameters: NDArray[np.float64], shift: float) -> NDArray[np.float64]:
