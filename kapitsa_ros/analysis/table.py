@@ -50,27 +50,40 @@ class Readings:
         columns = (self.forcing, self.period, self.forcing_sigma, self.period_sigma)
         if len({column.shape for column in columns}) != 1 or self.forcing.ndim != 1:
             raise TableError('the columns are of unequal length: give every row all its values')
-        if not all(np.isfinite(column).all() for column in columns):
-            raise TableError('a value is not finite: leave out runs that gave no reading')
-        if (self.forcing <= 0.0).any() or (self.period <= 0.0).any():
-            raise TableError('a speed or a period is zero or negative: leave out runs that gave no reading')
-        if (self.forcing_sigma < 0.0).any() or (self.period_sigma < 0.0).any():
-            raise TableError('a standard error is negative')
+        finite = np.logical_and.reduce([np.isfinite(column) for column in columns])
+        _refuse(~finite, 'a value is not finite: leave out runs that gave no reading')
+        _refuse(self.forcing <= 0.0, 'the speed is zero or negative: leave out runs that gave no reading')
+        _refuse(self.period <= 0.0, 'the period is zero or negative: leave out runs that gave no reading')
+        _refuse((self.forcing_sigma < 0.0) | (self.period_sigma < 0.0), 'a standard error is negative')
         cycles = self.forcing * self.period / (2.0 * math.pi)
-        if (cycles < _FEWEST_CYCLES).any():
-            raise TableError(
-                f'{cycles.min():.2g} turns of the shaft in a swing: the swing is slow and takes many. '
-                'Give the speed in RPM (not Hz or rad/s) and the period in seconds'
-            )
-        if (self.period > _LONGEST_PERIOD).any():
-            raise TableError(
-                f'a period of {self.period.max():g} s: give the period in seconds, neither milliseconds nor RPM'
-            )
+        _refuse(
+            cycles < _FEWEST_CYCLES,
+            'the shaft turns only {:.2g} times in a swing, which should take many turns: '
+            'give the speed in RPM (not Hz or rad/s) and the period in seconds',
+            cycles,
+        )
+        _refuse(
+            self.period > _LONGEST_PERIOD,
+            'a period of {:g} s: give the period in seconds, neither milliseconds nor RPM',
+            self.period,
+        )
+        _refuse(
+            self.period_sigma > _LONGEST_PERIOD,
+            'a standard error of {:g} s: give that of a period in seconds',
+            self.period_sigma,
+        )
 
     @property
     def slow(self) -> NDArray[np.float64]:
         """Ω = 2π/T, rad/s."""
         return 2.0 * math.pi / self.period
+
+
+def _refuse(wrong: NDArray[np.bool_], message: str, values: NDArray[np.float64] | None = None) -> None:
+    """Name the first row that is wrong."""
+    if wrong.any():
+        row = int(np.argmax(wrong))
+        raise TableError(f'row {row + 1}: {message.format(*(() if values is None else (values[row],)))}')
 
 
 def require_two_speeds(readings: Readings) -> None:
@@ -105,17 +118,34 @@ def read_table(path: Path) -> Readings:
             rows = list(reader)
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise TableError(f'{path}: cannot be read as CSV ({error})') from error
-    missing = [name for name in _REQUIRED if name not in names]
-    if missing:
-        raise TableError(f'{path}: no column {", ".join(missing)} (found: {", ".join(names) or "none"})')
+    _check_header(path, names)
+    surplus = next((number for number, row in enumerate(rows, start=1) if None in row), None)
+    if surplus is not None:
+        raise TableError(f'{path}: row {surplus} has more values than there are columns: write decimals with a point')
     columns = {name: _column(path, rows, name, None) for name in _REQUIRED}
     columns |= {name: _column(path, rows, name, default) for name, default in _OPTIONAL.items()}
-    return Readings(
-        forcing=columns['forcing_rpm'] * RPM,
-        period=columns['period_s'],
-        forcing_sigma=columns['forcing_sigma_rpm'] * RPM,
-        period_sigma=columns['period_sigma_s'],
-    )
+    try:
+        return Readings(
+            forcing=columns['forcing_rpm'] * RPM,
+            period=columns['period_s'],
+            forcing_sigma=columns['forcing_sigma_rpm'] * RPM,
+            period_sigma=columns['period_sigma_s'],
+        )
+    except TableError as error:
+        raise TableError(f'{path}: {error}') from error
+
+
+def _check_header(path: Path, names: list[str]) -> None:
+    missing = [name for name in _REQUIRED if name not in names]
+    if missing:
+        mend = ' and separate columns by commas' if len(names) == 1 else ''
+        raise TableError(
+            f'{path}: no column {", ".join(missing)} (found: {", ".join(names) or "none"}): '
+            f'name the columns in the first line{mend}'
+        )
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise TableError(f'{path}: more than one column {", ".join(twice)}: leave one')
 
 
 def _column(path: Path, rows: list[dict[str, str]], name: str, default: float | None) -> NDArray[np.float64]:

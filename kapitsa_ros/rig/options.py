@@ -11,10 +11,12 @@ import click
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
+from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_speed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
 
 
 class _Quantity(click.ParamType):  # type: ignore[type-arg]
@@ -115,6 +117,21 @@ def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --json; the command gets `as_json`."""
     return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)
+
+
+def once_each(bags: Sequence[Path]) -> None:
+    """Refuse a bag that is given twice: its readings would count twice.
+
+    Raises
+    ------
+    UsageError
+        Two paths lead to the same bag.
+
+    """
+    places = [path.resolve() for path in bags]
+    twice = next((path for path, place in zip(bags, places, strict=True) if places.count(place) > 1), None)
+    if twice is not None:
+        raise UsageError(f'BAGS: {twice} is given twice: its readings count once')
 
 
 def print_json(values: Mapping[str, Any]) -> None:

@@ -56,6 +56,32 @@ def test_friction_play_and_instruments_fit_at_no_value(verdict, name):
     assert suspect.rms_misfit > 0.25
 
 
+def test_no_cause_has_weight_where_none_fits():
+    torn = Readings(np.array([2240.0, 2241, 2780]) * RPM, np.array([1.0, 0.6, 0.5]), np.zeros(3), np.full(3, 1e-3))
+    verdict = explain(torn, IDEAL)
+    assert all(np.isnan(explanation.weight) for explanation in verdict.explanations)
+    assert 'no single cause fits within the stated errors' in verdict.warnings
+
+
+def test_readings_without_an_error_still_give_misfits():
+    table = read_table(share_path('config', 'tables', '1997.csv'))
+    exact = explain(Readings(table.forcing, table.period, np.zeros(3), np.zeros(3)), IDEAL)
+    assert of(exact, 'inertia_factor').rms_misfit == pytest.approx(0.005, abs=1e-3)
+
+
+def test_friction_is_not_less_than_none():
+    quick = np.array([2 * np.pi / slow_frequency_nonlinear(IDEAL, rpm * RPM, 0.12) for rpm in (2240, 2640, 2780)])
+    speeds = np.array([2240.0, 2640, 2780]) * RPM
+    play = of(explain(Readings(speeds, quick, np.zeros(3), np.full(3, 0.05)), IDEAL), 'clearance')
+    assert play.interval[0] == 0.0
+
+
+def test_rod_that_cannot_swing_is_said_to():
+    nine_metres = PlantParameters(length=9.75)
+    verdict = explain(read_table(share_path('config', 'tables', '1997.csv')), nine_metres)
+    assert any('9.75in' in warning for warning in verdict.warnings)
+
+
 def test_it_warns_of_three_points(verdict):
     assert any('tuned to 3 points' in warning for warning in verdict.warnings)
     assert sum(explanation.weight for explanation in verdict.explanations) == pytest.approx(1)

@@ -67,12 +67,19 @@ def test_near_the_threshold_a_period_tells_most():
         (IDEAL, float('nan'), 'above 0'),
         (IDEAL, 1e-6, 'no protocol tried'),
         (PlantParameters(amplitude=0.003), 1.0, 'never holds it up'),
-        (PlantParameters(coulomb=30.0), 1.0, 'friction stops'),
+        (PlantParameters(coulomb=30.0), 1.0, 'at none of the speeds'),
+        (PlantParameters(coulomb=5.0), 1.0, 'RPM alone'),
+        (PlantParameters(amplitude=12.7), 1.0, 'at none of the speeds'),
     ],
 )
 def test_aims_out_of_reach_say_why(plant, target, message):
     with pytest.raises(AnalysisError, match=message):
         cheapest_plan(plant, OF_1997, target)
+
+
+def test_a_plan_needs_a_swing():
+    with pytest.raises(AnalysisError, match='does not swing'):
+        cheapest_plan(IDEAL, OF_1997, 1.0, release=0.0)
 
 
 def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
@@ -89,3 +96,5 @@ def test_cause_that_is_ruled_out_needs_no_further_measurement():
         best_separation(table, IDEAL, 'inertia_factor', 'damping')
     with pytest.raises(AnalysisError, match='no cause'):
         best_separation(table, IDEAL, 'inertia_factor', 'ghosts')
+    with pytest.raises(AnalysisError, match='name two'):
+        best_separation(table, IDEAL, 'inertia_factor', 'inertia_factor')

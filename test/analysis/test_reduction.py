@@ -69,6 +69,11 @@ def test_errors_default_and_are_read(tmp_path):
         ('forcing_rpm,period_s\n234,1.0\n276,0.75\n', 'RPM'),
         ('forcing_rpm,period_s\n2240,1000\n2640,750\n', 'milliseconds'),
         ('forcing_rpm,period_s\n2240,60\n2640,80\n', 'seconds'),
+        ('forcing_rpm,period_s\n2240,1.0\n44,0.75\n', 'row 2: .*not Hz'),
+        ('forcing_rpm,period_s,period_sigma_s\n2240,1.0,50\n', 'row 1: .*error of 50 s'),
+        ('forcing_rpm,period_s\n2240,1,00\n2640,0,75\n', 'row 1 .*with a point'),
+        ('forcing_rpm;period_s\n2240;1.0\n', 'by commas'),
+        ('forcing_rpm,period_s,period_s\n2240,1.0,2.0\n', 'more than one column period_s'),
     ],
 )
 def test_tables_that_cannot_be_used_say_why(tmp_path, text, message):

@@ -31,6 +31,12 @@ def test_campaign_has_the_keys_of_the_contract():
     assert 1250 < found['omega_crit_rpm']['median'] < 1450
 
 
+def test_experiments_that_all_fail_say_why():
+    result = CliRunner().invoke(campaign, ['--experiments', '2', '--amplitude', '1mm'])
+    assert 'no swing could be timed at 2240, 2640, 2780 RPM' in result.stdout
+    assert 'nan' not in result.stdout
+
+
 def test_cluster_gives_what_the_cores_give():
     distributed = pytest.importorskip('distributed')
     with distributed.LocalCluster(

@@ -42,6 +42,8 @@ class Cause:
     discrete: bool = False
     tuned: int = 1
     """Number of parameters."""
+    least: float | None = None
+    """Value below which there is none by its nature."""
 
 
 def small_swing(plant: PlantParameters, speed: float) -> float:
@@ -112,6 +114,7 @@ CAUSES = (
         parameter='release angle, rad',
         periods=lambda plant, speeds, value: np.array([_wide_swing(plant, float(speed), value) for speed in speeds]),
         values=_over(0.01, 1.5, 40),
+        least=0.0,
     ),
     Cause(name='amplitude', parameter='λ, m', periods=_of_plant('amplitude'), values=_strokes),
     Cause(
@@ -148,9 +151,9 @@ CAUSES = (
         values=_aliases,
         discrete=True,
     ),
-    Cause(name='damping', parameter='c, 1/s', periods=_of_plant('damping'), values=_dampings),
-    Cause(name='coulomb', parameter='f, rad/s²', periods=_of_run('coulomb'), values=_over(0.0, 4.0, 17)),
-    Cause(name='clearance', parameter='D, m', periods=_of_run('clearance'), values=_plays),
+    Cause(name='damping', parameter='c, 1/s', periods=_of_plant('damping'), values=_dampings, least=0.0),
+    Cause(name='coulomb', parameter='f, rad/s²', periods=_of_run('coulomb'), values=_over(0.0, 4.0, 17), least=0.0),
+    Cause(name='clearance', parameter='D, m', periods=_of_run('clearance'), values=_plays, least=0.0),
     Cause(
         name='instruments',
         parameter='',

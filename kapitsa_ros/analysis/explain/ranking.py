@@ -27,7 +27,8 @@ SUPPORT = 2.0
 """Explanations within this of the best AIC have substantial support (Burnham & Anderson, Model Selection, 2.6)."""
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
-_MISSING = 1e6  # χ² of a run that could not have been timed
+_FLOOR = 1e-6  # relative error below which no period is trusted
+_MISSING = 1e15  # χ² of a run that could not have been timed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +45,7 @@ class Explanation:
     """Of the periods at the best value tried, s."""
     chi_squared: float
     weight: float
-    """Akaike weight among the causes."""
+    """Akaike weight among the causes; nan where none fits."""
     fits: bool
 
 
@@ -72,7 +73,7 @@ def explain(readings: Readings, plant: PlantParameters, causes: Sequence[Cause] 
     fitted = [_fit(cause, readings, plant) for cause in causes]
     criteria = np.array([fit.chi_squared + 2.0 * cause.tuned for fit, cause in zip(fitted, causes, strict=True)])
     weights = np.exp(-0.5 * (criteria - criteria.min()))
-    weights /= weights.sum()
+    weights *= 1.0 / weights.sum() if any(fit.fits for fit in fitted) else math.nan
     order = np.argsort(criteria, kind='stable')
     ranked = tuple(_weighed(fitted[index], float(weights[index])) for index in order)
     supported = tuple(
@@ -106,6 +107,10 @@ def _fit(cause: Cause, readings: Readings, plant: PlantParameters) -> Explanatio
         )
         if found.fun < lowest:
             best, lowest = float(found.x), float(found.fun)
+
+    def excess(value: float) -> float:
+        return chi_squared(value) - lowest - RISE_95
+
     fits = bool(lowest <= chi2.isf(_REJECTED, max(readings.period.size - cause.tuned, 1)))
     tells = fits and bool(cause.parameter)
     bounded = tells and not cause.discrete
@@ -114,7 +119,7 @@ def _fit(cause: Cause, readings: Readings, plant: PlantParameters) -> Explanatio
         name=cause.name,
         parameter=cause.parameter,
         value=best if tells else None,
-        interval=_interval(chi_squared, best, lowest, grid, costs) if bounded else None,
+        interval=_interval(cause, excess, best, grid, costs > lowest + RISE_95) if bounded else None,
         rms_misfit=float(np.sqrt(np.mean(seen**2))),
         chi_squared=lowest,
         weight=0.0,
@@ -125,25 +130,21 @@ def _fit(cause: Cause, readings: Readings, plant: PlantParameters) -> Explanatio
 def _effective_sigma(readings: Readings, plant: PlantParameters) -> NDArray[np.float64]:
     """Add to the error of each period what the error of its speed does to it, by averaged theory."""
     steepness = (plant.k * plant.amplitude) ** 2 * readings.forcing / (2.0 * readings.slow**2)
-    return np.hypot(readings.period_sigma, readings.period * steepness * readings.forcing_sigma)
+    of_speed = np.hypot(steepness * readings.forcing_sigma, _FLOOR)
+    return np.hypot(readings.period_sigma, readings.period * of_speed)
 
 
 def _interval(
-    chi_squared: Callable[[float], float],
+    cause: Cause,
+    excess: Callable[[float], float],
     best: float,
-    lowest: float,
     grid: NDArray[np.float64],
-    costs: NDArray[np.float64],
+    outside: NDArray[np.bool_],
 ) -> tuple[float | None, float | None]:
-    """Find where χ² has risen by `RISE_95`, between the points of the grid nearest to the best."""
-
-    def excess(value: float) -> float:
-        return chi_squared(value) - lowest - RISE_95
-
-    outside = costs > lowest + RISE_95
+    """Find the roots of the excess of χ² over its rise, between the points of the grid nearest to the best."""
     below, above = grid[outside & (grid < best)], grid[outside & (grid > best)]
     return (
-        float(brentq(excess, below[-1], best, rtol=1e-6)) if below.size else None,
+        float(brentq(excess, below[-1], best, rtol=1e-6)) if below.size else cause.least,
         float(brentq(excess, best, above[0], rtol=1e-6)) if above.size else None,
     )
 
@@ -161,6 +162,12 @@ def _warnings(readings: Readings, ranked: Sequence[Explanation]) -> tuple[str, .
         )
     if not any(explanation.fits for explanation in ranked):
         said.append('no single cause fits within the stated errors')
-    if not all(math.isfinite(explanation.rms_misfit) for explanation in ranked):
-        said.append('a cause without a misfit predicts runs that could not have been timed')
+    untimed = [explanation.name for explanation in ranked if not math.isfinite(explanation.rms_misfit)]
+    if 'instruments' in untimed:
+        said.append(
+            'by theory this rod does not swing at these speeds: check its options (lengths are in metres unless they '
+            'carry a unit, as in 9.75in)'
+        )
+    elif untimed:
+        said.append(f'without a misfit, as its runs could not have been timed: {", ".join(untimed)}')
     return tuple(said)

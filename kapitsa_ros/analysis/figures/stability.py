@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.physics.parameters import PlantParameters
 
 
-def stability_boundaries(plant: PlantParameters, speeds: Sequence[float]) -> Figure:
+def stability_boundaries(plant: PlantParameters, speeds: Sequence[float], *, stacked: bool = False) -> Figure:
     """Draw Mathieu's chart and the same in speed and amplitude, with the rig's operating points (rad/s) on both."""
-    figure = blank('Figure 2: stability of the upright rod', panels=2)
+    figure = blank('Figure 2: stability of the upright rod', panels=2, stacked=stacked)
     chart, bench = figure.axes
     _draw_chart(chart, plant, speeds)
     _draw_bench(bench, plant, speeds)

@@ -70,11 +70,13 @@ def cheapest_plan(
     Raises
     ------
     AnalysisError
-        The target is no percentage above 0, or no protocol tried reaches it.
+        The target is no percentage above 0, the release is upright, or no protocol tried reaches the target.
 
     """
     if not 0.0 < target_percent < math.inf:
         raise AnalysisError(f'target {target_percent} %: give a percentage above 0')
+    if release == 0.0:
+        raise AnalysisError('a release at 0 rad: an upright rod does not swing, let it go at an angle')
     runs = _candidates(plant, release, fastest)
     best: Plan | None = None
     closest = math.inf
@@ -136,8 +138,12 @@ def _candidates(plant: PlantParameters, release: float, fastest: float) -> list[
         raise AnalysisError(f'the critical speed is {threshold / RPM:.0f} RPM: a jigsaw that slow never holds it up')
     speeds = np.geomspace(_NEAREST * threshold, fastest, _SPEEDS)
     rounded = sorted({10.0 * RPM * round(float(speed) / (10.0 * RPM)) for speed in speeds})
-    runs = [sensitivity(plant, speed, release, _SWINGS[-1]) for speed in rounded]
+    runs = [sensitivity(plant, speed, release, _SWINGS[-1]) for speed in rounded if speed > 0.0]
     found = [run for run in runs if run is not None]
-    if not found:
-        raise AnalysisError('friction stops the swing within one period at all speeds: nothing can be timed')
+    if len(found) < _RUNS[0]:
+        where = f'at {found[0].speed / RPM:.0f} RPM alone' if found else 'at none of the speeds tried'
+        raise AnalysisError(
+            f'a swing can be timed {where}, and a plan takes {_RUNS[0]} speeds: elsewhere the rod falls, or friction '
+            'stops it within one period'
+        )
     return found

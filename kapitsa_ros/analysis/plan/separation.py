@@ -51,9 +51,11 @@ def best_separation(
     Raises
     ------
     AnalysisError
-        A cause is unknown, does not fit, or the two agree wherever both can be timed.
+        A cause is unknown or named twice, does not fit, or the two agree wherever both can be timed.
 
     """
+    if first == second:
+        raise AnalysisError(f'{first} and {second} are one explanation: name two to tell apart')
     causes = [_cause(name) for name in (first, second)]
     verdict = {fitted.name: fitted for fitted in explain(readings, plant, causes).explanations}
     for cause in causes:

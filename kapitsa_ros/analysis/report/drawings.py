@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,21 +17,21 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kapitsa_ros.analysis.recorded import RecordedRun
+    from kapitsa_ros.analysis.reduction import Line
     from kapitsa_ros.analysis.report.content import Estimate
     from kapitsa_ros.analysis.table import Readings
 
 _SHOWN = 5.0  # s of Figure 4
 
 
-def extrapolation(ours: Readings, theirs: Readings, slope: float, omega_crit: float | None) -> Figure:
-    """Draw Figure 3: readings and the line that was extrapolated, in the report's axes."""
+def extrapolation(ours: Readings, theirs: Readings, line: Line | None) -> Figure:
+    """Draw Figure 3: readings and the line that was extrapolated, if there is one, in the report's axes."""
     figure = blank('Figure 3: forcing over slow frequency')
     (axes,) = figure.axes
     slow = np.linspace(0.0, 1.1 * max(ours.slow.max(), theirs.slow.max()), 200)
-    if omega_crit is not None:
-        axes.plot(
-            slow / RPM, np.sqrt(omega_crit**2 + slow**2 / slope) / RPM, color=BLUE, label='least squares, as in 1997'
-        )
+    if line is not None and line.omega_crit is not None:
+        forcing = np.sqrt(line.omega_crit**2 + slow**2 / line.slope)
+        axes.plot(slow / RPM, forcing / RPM, color=BLUE, label='least squares, as in 1997')
     bars = ours.slow / ours.period * ours.period_sigma / RPM
     axes.errorbar(ours.slow / RPM, ours.forcing / RPM, xerr=bars, fmt='o', color=ORANGE, label='these runs')
     axes.plot(theirs.slow / RPM, theirs.forcing / RPM, 's', color=GREY, label='1997')
@@ -89,7 +90,9 @@ def intervals(estimates: Sequence[Estimate], predicted: float, truth: float | No
         axes.axvline(truth / RPM, color=INK, linewidth=0.8, label='exact, of the plant simulated')
     axes.plot([], [], 'o', color=ORANGE, label='these runs')
     axes.plot([], [], 's', color=GREY, markerfacecolor='none', label='readings of 1997')
-    axes.set(xlabel='ω_crit (RPM)', yticks=range(len(estimates)), yticklabels=[e.name for e in reversed(estimates)])
+    axes.set(
+        xlabel='ω_crit (RPM)', yticks=range(len(estimates)), yticklabels=[fill(e.name, 12) for e in reversed(estimates)]
+    )
     axes.set_xlim(left - 20, right + 20)
-    axes.legend(fontsize=7, loc='upper center', bbox_to_anchor=(0.4, -0.18), ncols=2)
+    axes.legend(fontsize=7, loc='upper center', bbox_to_anchor=(0.4, -0.2), ncols=2)
     return figure

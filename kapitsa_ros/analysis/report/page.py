@@ -11,9 +11,11 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from kapitsa_ros.analysis.critical import evidence_of
+from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.analysis.experiment import ideal_rod, readings_of
 from kapitsa_ros.analysis.figures import frequency_sweep, stability_boundaries
 from kapitsa_ros.analysis.reduction import inverse
-from kapitsa_ros.analysis.report.content import TARGET_PERCENT
+from kapitsa_ros.analysis.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
 from kapitsa_ros.analysis.report.drawings import extrapolation, intervals, recorded_spectrum, recorded_swing
 from kapitsa_ros.physics.parameters import PlantParameters
 from kapitsa_ros.share import share_path
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.report.content import Content
 
 _INCH = 0.0254
+_WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
 
 
 def render(content: Content) -> str:
@@ -33,24 +36,31 @@ def render(content: Content) -> str:
     environment.filters.update(rpm=_rpm, inch=_inch, number=_number, ends=_ends)
     template = environment.from_string(share_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
     return template.render(
-        content=content, report=PlantParameters(), figures=_figures(content), rpm_unit=RPM, target=TARGET_PERCENT
+        content=content,
+        report=PlantParameters(),
+        trials={trial.name: trial for trial in content.trials},
+        as_built_on_bearing=AS_BUILT_ON_BEARING,
+        figures=_figures(content),
+        rpm_unit=RPM,
+        target=TARGET_PERCENT,
     )
 
 
 def _figures(content: Content) -> list[Markup]:
     ours = evidence_of([recorded.run for recorded in content.runs]).timed
-    line = inverse(ours)
-    nominal = PlantParameters(
-        length=content.plant.length, amplitude=content.plant.amplitude, gravity=content.plant.gravity
-    )
+    nominal = ideal_rod(content.plant)
+    try:
+        line = inverse(readings_of([recorded.run for recorded in content.runs]))
+    except TableError:
+        line = None  # Figure 3 is without it, as Table 3 is
     measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))
     shown = content.runs[-1]
     return [
         _svg(figure)
         for figure in (
             intervals(content.estimates, content.predicted, content.truth),
-            stability_boundaries(nominal, ours.forcing.tolist()),
-            extrapolation(ours, content.of_1997, line.slope, line.omega_crit),
+            stability_boundaries(nominal, ours.forcing.tolist(), stacked=True),
+            extrapolation(ours, content.of_1997, line),
             recorded_swing(shown),
             recorded_spectrum(shown),
             frequency_sweep(nominal, measured),
@@ -61,6 +71,7 @@ def _figures(content: Content) -> list[Markup]:
 def _svg(figure: Figure) -> Markup:
     """Return the figure's drawing alone, with ids of its own, and no date."""
     title = figure.get_suptitle()
+    figure.set_size_inches(_WIDTH, _HEIGHT * len(figure.axes))
     with mpl.rc_context({'svg.hashsalt': title, 'svg.fonttype': 'path'}):
         file = io.StringIO()
         figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})

@@ -48,7 +48,7 @@ def slow_frequency_nonlinear(plant: PlantParameters, speed: float, release: floa
         raise ParameterError('release is 0 rad: an upright rod does not swing, give an angle')
     smooth = replace(plant, damping=0.0, coulomb=0.0, clearance=0.0)
     linear = slow_frequency_exact(smooth, speed)
-    if linear is None:
+    if linear is None or 2.0 * linear >= speed:  # half the speed is the upper edge of stability
         raise PhysicsError(f'at {speed:.6g} rad/s the upright is not stable: there is no slow oscillation')
     rotation = linear / speed
     turns = min(max(FEWEST_TURNS, math.ceil(SWINGS / min(rotation, 1.0 - 2.0 * rotation))), MOST_TURNS)

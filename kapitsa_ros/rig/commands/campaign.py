@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -48,10 +49,13 @@ def campaign(
     median, low, high = (speed / RPM for speed in found.omega_crit)
     truth = true_threshold(plant) / RPM
     click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {found.wall:.1f} s')
+    if found.failed == found.experiments:
+        speeds = ', '.join(f'{speed / RPM:.0f}' for speed in experiment.protocol.speeds)
+        click.echo(f'no swing could be timed at {speeds} RPM; this plant stands above {truth:.1f} RPM')
+        return
+    width = 'unbounded' if math.isnan(found.width) else f'{found.width / RPM:.1f} RPM'
     click.echo(f'omega_crit          {median:.1f} RPM (16 to 84 %: {low:.1f} to {high:.1f}); truth {truth:.1f}')
-    click.echo(
-        f'95 % intervals hold the truth in {100 * found.coverage:.1f} %; median width {found.width / RPM:.1f} RPM'
-    )
+    click.echo(f'95 % intervals hold the truth in {100 * found.coverage:.1f} %; median width {width}')
     click.echo(f'unbounded intervals {found.unbounded}')
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -60,7 +61,6 @@ def _line(explanation: Explanation) -> str:
     interval = ''
     if explanation.interval is not None:
         interval = ' to '.join('unbounded' if end is None else f'{end:.5g}' for end in explanation.interval)
-    return (
-        f'{explanation.name:28} {value:>11} {interval:>22} {explanation.rms_misfit:7.4f} s {explanation.weight:7.3f}'
-        f'   {explanation.parameter}'
-    )
+    misfit = f'{explanation.rms_misfit:.4f} s' if math.isfinite(explanation.rms_misfit) else 'none'
+    weight = f'{explanation.weight:.3f}' if math.isfinite(explanation.weight) else 'none'
+    return f'{explanation.name:28} {value:>11} {interval:>22} {misfit:>9} {weight:>7}   {explanation.parameter}'

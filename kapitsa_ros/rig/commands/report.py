@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.options import once_each
 
 
 @click.command()
@@ -15,6 +16,9 @@ from kapitsa_ros.rig.errors import RigError
 @click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')
 def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan."""
+    if not output.parent.is_dir():
+        raise UsageError(f'--output {output}: there is no directory {output.parent}: make it first')
+    once_each(bags)
     try:
         import jinja2  # noqa: F401, PLC0415
         import matplotlib as mpl  # noqa: F401, PLC0415
