@@ -125,13 +125,15 @@ def _estimates(
     curve = direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
     return (
         Estimate(
-            name='ω² on Ω², as in 1997', value=backward and backward.omega_crit, of_1997=inverse(theirs).omega_crit
+            name='ω² on Ω², as in 1997',
+            value=backward.omega_crit if backward else None,
+            of_1997=inverse(theirs).omega_crit,
         ),
-        Estimate(name='Ω² on ω²', value=forward and forward.omega_crit, of_1997=ordinary(theirs).omega_crit),
+        Estimate(name='Ω² on ω²', value=forward.omega_crit if forward else None, of_1997=ordinary(theirs).omega_crit),
         Estimate(
             name='line, errors in both readings',
-            value=line and line.omega_crit,
-            interval=line and line.interval,
+            value=line.omega_crit if line else None,
+            interval=line.interval if line else None,
             of_1997=line_1997.omega_crit,
             discrepancy=line.discrepancy if line else 0.0,
         ),
