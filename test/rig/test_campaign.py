@@ -58,3 +58,11 @@ def test_plan_has_the_keys_of_the_contract():
     assert {'speeds_rpm', 'periods', 'repeats', 'expected_percent'} <= found.keys()
     assert found['expected_percent'] <= 3
     assert found['separation']['between'] == ['inertia_factor', 'large_swing']
+
+
+def test_plan_says_where_no_timing_decides():
+    said = CliRunner().invoke(plan, ['--target', '3']).stdout
+    assert 'to tell inertia_factor from large_swing: time a swing of 0.05 rad' in said
+    # where the rod was built so slow, a slower one and a wide swing are both next to nothing
+    built = CliRunner().invoke(plan, ['--target', '3', '--inertia-factor', '0.7069']).stdout
+    assert 'no single timing tells inertia_factor from large_swing' in built

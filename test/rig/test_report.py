@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
@@ -35,6 +36,11 @@ def page(runs):
     return render(gather(runs, read_table(share_path('config', 'tables', '1997.csv')), experiments=2))
 
 
+@pytest.fixture(scope='module')
+def of_one_bag(runs):
+    return gather(runs[:1], read_table(share_path('config', 'tables', '1997.csv')), experiments=1)
+
+
 class _Reader(HTMLParser):
     def __init__(self):
         super().__init__()
@@ -69,6 +75,32 @@ def test_tables_and_figures_of_1997_stand_beside_the_runs(page, runs):
     fit = direct_fit(evidence_of([run.run for run in runs]), Ruler(amplitude=runs[0].run.plant.amplitude))
     assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
     assert 'inertia factor, large swing, amplitude, stopwatch scale' in reader.text
+
+
+def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
+    reader = _Reader()
+    reader.feed(page)
+    answer = ' '.join(reader.text.split())
+    assert 'Not by itself. On the bearing the report recommends' in answer
+    assert 'bearing, inertia as built' in answer
+    for truth in ('1354.8', '1594.4', '1610.3'):
+        assert truth in answer
+
+
+def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
+    reader = _Reader()
+    reader.feed(render(of_one_bag))
+    fit = direct_fit(evidence_of([runs[0].run]), Ruler(amplitude=runs[0].run.plant.amplitude))
+    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert 'Single causes against the readings of these runs' not in reader.text
+
+
+def test_runs_off_the_curve_are_said_to_be(of_one_bag):
+    *others, best = of_one_bag.estimates
+    for discrepancy, words in ((0.004, '0.4\xa0% of each period'), (None, 'contradict one another')):
+        reader = _Reader()
+        reader.feed(render(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
+        assert words in reader.text
 
 
 def test_swing_begins_where_it_was_let_go(runs):

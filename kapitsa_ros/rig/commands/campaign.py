@@ -51,7 +51,7 @@ def campaign(
     click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {found.wall:.1f} s')
     if found.failed == found.experiments:
         speeds = ', '.join(f'{speed / RPM:.0f}' for speed in experiment.protocol.speeds)
-        click.echo(f'no swing could be timed at {speeds} RPM; this plant stands above {truth:.1f} RPM')
+        click.echo(f'no swing could be timed at {speeds} RPM; the critical speed of this plant is {truth:.1f} RPM')
         return
     width = 'unbounded' if math.isnan(found.width) else f'{found.width / RPM:.1f} RPM'
     click.echo(f'omega_crit          {median:.1f} RPM (16 to 84 %: {low:.1f} to {high:.1f}); truth {truth:.1f}')

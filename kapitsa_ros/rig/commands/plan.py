@@ -15,9 +15,11 @@ from kapitsa_ros.rig.tables import table_argument
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.plan import Separation
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.parameters import PlantParameters
 
+_APART = 2.0  # standard errors; closer values are not told apart
 _NAMES = click.Choice([cause.name for cause in CAUSES])
 
 
@@ -77,8 +79,14 @@ def plan(
     click.echo(f'speeds   {speeds} RPM')
     click.echo(f'timings  {found.repeats} of {found.swings} swing(s) at each')
     click.echo(f'expected ±{found.expected_percent:.2f} % (95 %) after {found.seconds:.0f} s at the bench')
-    swing = 'the swing as before' if deciding.release is None else f'a swing of {deciding.release:g} rad'
-    click.echo(
-        f'to tell {between[0]} from {between[1]}: time {swing} at {deciding.speed / RPM:.0f} RPM; '
-        f'they say {deciding.periods[0]:.2f} s and {deciding.periods[1]:.2f} s'
-    )
+    click.echo(_deciding(deciding))
+
+
+def _deciding(found: Separation) -> str:
+    first, second = found.between
+    swing = 'the swing as before' if found.release is None else f'a swing of {found.release:g} rad'
+    what = f'time {swing} at {found.speed / RPM:.0f} RPM'
+    said = f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
+    if found.sigmas < _APART:
+        return f'no single timing tells {first} from {second}; the best of them: {what}; {said}'
+    return f'to tell {first} from {second}: {what}; {said}'
