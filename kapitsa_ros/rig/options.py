@@ -11,7 +11,6 @@ import click
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS, load_preset
-from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_speed
 
 if TYPE_CHECKING:
@@ -119,19 +118,15 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)
 
 
-def once_each(bags: Sequence[Path]) -> None:
-    """Refuse a bag that is given twice: its readings would count twice.
-
-    Raises
-    ------
-    UsageError
-        Two paths lead to the same bag.
-
-    """
+def warn_of_repeats(bags: Sequence[Path]) -> None:
+    """Say so where a bag is given twice: its readings count twice, and the interval is too narrow."""
     places = [path.resolve() for path in bags]
-    twice = next((path for path, place in zip(bags, places, strict=True) if places.count(place) > 1), None)
-    if twice is not None:
-        raise UsageError(f'BAGS: {twice} is given twice: its readings count once')
+    for place in sorted({place for place in places if places.count(place) > 1}):
+        click.echo(
+            f'kapitsa: warning: {place.name} is given more than once: its readings count each time, which makes the '
+            'interval too narrow',
+            err=True,
+        )
 
 
 def print_json(values: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 from rich.console import Console
 
-from kapitsa_ros.rig.options import json_option, once_each, print_json
+from kapitsa_ros.rig.options import json_option, print_json, warn_of_repeats
 
 
 @click.command()
@@ -20,7 +20,7 @@ def analyse(*, bags: tuple[Path, ...], blind: bool, as_json: bool) -> None:
     from kapitsa_ros.rig.offline import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.rig.report_tables import report_tables  # noqa: PLC0415
 
-    once_each(bags)
+    warn_of_repeats(bags)
     values = analyse_bags(bags) if blind else analyse_motions(bags)
     if as_json:
         print_json(values)

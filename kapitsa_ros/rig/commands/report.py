@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.rig.errors import RigError, UsageError
-from kapitsa_ros.rig.options import once_each
+from kapitsa_ros.rig.options import warn_of_repeats
 
 
 @click.command()
@@ -18,7 +18,7 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan."""
     if not output.parent.is_dir():
         raise UsageError(f'--output {output}: there is no directory {output.parent}: make it first')
-    once_each(bags)
+    warn_of_repeats(bags)
     try:
         import jinja2  # noqa: F401, PLC0415
         import matplotlib as mpl  # noqa: F401, PLC0415
