@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from typing import TYPE_CHECKING
 
@@ -37,6 +36,8 @@ HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
 GRACE = 3.0
 """Seconds for which messages are waited for to be taken before it is said."""
+LEASE = 25.0
+"""Seconds after which DDS has given up a reader that is silent; who is still not served then never will be."""
 PARTING = Duration(nanoseconds=200_000_000)
 """How long words are waited for that nobody depends on."""
 
@@ -124,19 +125,23 @@ class Stage(Node):
         self.get_logger().warning(f'refused: {why} ({self._refused} so far)', throttle_duration_sec=5.0)
 
     def finish(self) -> None:
-        """Leave once the last messages have been taken by their readers; one that is gone, DDS gives up in time."""
+        """Leave once the last messages have been taken by their readers."""
         for publisher in self._out.values():
             self.wait_until_taken(publisher)
         self.diagnostics.wait_for_all_acked(PARTING)
         self.finished = True
 
     def wait_until_taken(self, publisher: Publisher) -> None:
-        """Wait for the readers of a topic to take all that was published, or for DDS to give them up."""
-        patience = time.monotonic() + GRACE
+        """Wait for the readers of a topic to take all that was published, as long as DDS waits for them."""
+        begin = time.monotonic()
+        said = False
         while self.context.ok() and not publisher.wait_for_all_acked(PARTING):
-            if time.monotonic() > patience:
+            waited = time.monotonic() - begin
+            if waited > GRACE and not said:
                 self._say_held_up(publisher.topic_name, 'has not been taken')
-                patience = math.inf
+                said = True
+            if waited > LEASE:
+                return
 
     def fail(self, error: Exception) -> None:
         """Tell whoever watches `diagnostics` why this node ends."""

@@ -136,7 +136,7 @@ def test_the_notebook_is_on_disk_with_every_line(tmp_path: Path):
     for wrong in (Row(run=1, forcing_rpm=0.0, period_s=1.0), Row(run=1, forcing_rpm=2240.0, period_s=0.0)):
         with pytest.raises(TableError, match='lamp'):
             book.write_down(wrong)
-    with pytest.raises(TableError, match='turns of the shaft'):
+    with pytest.raises(TableError, match='should take many turns'):
         book.write_down(Row(run=1, forcing_rpm=40.0, period_s=0.5))
     assert len(book.rows) == read_table(path).forcing.size == 2
     book.strike_out()

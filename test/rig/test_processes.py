@@ -2,13 +2,13 @@
 
 import os
 import random
-import re
 import select
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +100,11 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, 
 def test_dds_ports_are_open_on_loopback_alone(domain: int, observer: Observer, tmp_path: Path) -> None:
     with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
-        inodes = {
-            match[1]
-            for role in ROLES
-            for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir()
-            if (match := re.match(r'socket:\[(\d+)\]', str(link.readlink())))
-        }
+        inodes = set()
+        for role in ROLES:
+            for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir():
+                with suppress(FileNotFoundError):  # closed since
+                    inodes.add(str(link.readlink()).removeprefix('socket:[').removesuffix(']'))
         rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
         bound = [row[1].split(':') for row in rows if row[9] in inodes]
     first = 7400 + 250 * domain  # RTPS specification, 9.6.1.1

@@ -55,8 +55,8 @@ def sensitivity(plant: PlantParameters, speed: float, release: float, most_swing
         None where the pendulum does not swing, falls, or stops within one swing.
 
     """
-    seen = swings_seen(plant, speed, release, most_swings)
     try:
+        seen = swings_seen(plant, speed, release, most_swings)
         small = slow_frequency_exact(plant, speed)
         slowing = 1.0 - slow_frequency_nonlinear(plant, speed, release) / small if small else 0.0
     except PhysicsError:
