@@ -287,9 +287,9 @@ def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     """A protocol's run that was reset is done again, at the same speed."""
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240]')
-    with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=20) as one, Rig() as two:
+    with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=1) as one, Rig() as two:
         assert one.domain != two.domain
-        one.wait_for('strobe/reading')
+        one.wait_for('pendulum/motion')
         one.reset()
         one.set_rate(0)
         two.request_speed(2500)

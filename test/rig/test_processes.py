@@ -44,7 +44,7 @@ def carry_out(nodes: Nodes) -> None:
     """Wait until the session is over."""
     deadline = time.monotonic() + PATIENCE
     while not nodes.wait(1.0):
-        assert time.monotonic() < deadline, 'the session did not end'
+        assert time.monotonic() < deadline, f'{[r for r in ROLES if nodes[r].status() is None]} still run'
 
 
 def eventually(true: Callable[[], bool]) -> None:
