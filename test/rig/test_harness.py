@@ -39,10 +39,12 @@ def shared(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Rig]:
 
 
 @pytest.fixture
-def lab(shared: Rig) -> Rig:
+def lab(shared: Rig) -> Iterator[Rig]:
     """The shared rig at the beginning of a run: reset makes it as good as new."""
     shared.reset()
-    return shared
+    shared.set_rate(0)
+    yield shared
+    shared.set_rate(1)  # other tests need the machine, too
 
 
 @pytest.fixture
@@ -275,7 +277,7 @@ def test_four_rigs_at_once() -> None:
     """Each in a domain of its own: what is asked of one is read there and nowhere else."""
     speeds = (1500, 2000, 2500, 3000)
     with contextlib.ExitStack() as stack:
-        rigs = [stack.enter_context(Rig(instruments='ideal')) for _ in speeds]
+        rigs = [stack.enter_context(Rig(instruments='ideal', rate=5)) for _ in speeds]
         assert len({rig.domain for rig in rigs}) == len(speeds)
         for rig, rpm in zip(rigs, speeds, strict=True):
             rig.request_speed(rpm)
@@ -287,7 +289,7 @@ def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     """A protocol's run that was reset is done again, at the same speed."""
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240]')
-    with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=1) as one, Rig() as two:
+    with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=1) as one, Rig(rate=5) as two:
         assert one.domain != two.domain
         one.wait_for('pendulum/motion')
         one.reset()
