@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import time
@@ -45,7 +46,8 @@ def dead_segments() -> set[str]:
     if not _FOLDER.is_dir():
         return set()
     left = {match[0] for path in _FOLDER.iterdir() if (match := _SEGMENT.search(path.name))}
-    # To try a lock would take it for a moment, in which its owner to be could not: who holds one is read instead.
+    # To try a lock takes it for a moment, in which its owner to be could not: so it is tried only where the list of
+    # held ones, which may lack some while others come and go, does not name it.
     held = set(_LOCKED.findall(Path('/proc/locks').read_text(encoding='ascii')))
     return {name for name in left if not any(_lives(_FOLDER / f'{name}{ending}', held) for ending in _LOCKS)}
 
@@ -54,7 +56,18 @@ def _lives(lock: Path, held: set[str]) -> bool:
     """Tell whether a lock is held, or so new that it may be just about to be."""
     try:
         file = lock.stat()
+        name = f'{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}:{file.st_ino}'
+        return name in held or time.time() - file.st_ctime < _NEW or _is_held(lock)
     except FileNotFoundError:
         return False
-    name = f'{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}:{file.st_ino}'
-    return name in held or time.time() - file.st_ctime < _NEW
+    except PermissionError:
+        return True  # somebody else's
+
+
+def _is_held(lock: Path) -> bool:
+    with lock.open('rb') as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False
