@@ -14,6 +14,8 @@ from ament_index_python.packages import get_package_prefix, get_packages_with_pr
 ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player'}
 CHECKOUT = Path(__file__).parents[1]
 
+pytestmark = pytest.mark.xdist_group('install')  # its nodes share a domain, and would take each other for doubles
+
 
 @pytest.fixture(scope='module')
 def prefix(tmp_path_factory: pytest.TempPathFactory) -> Path:
