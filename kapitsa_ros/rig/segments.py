@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _FOLDER = Path('/dev/shm')  # noqa: S108  # where Fast DDS keeps its segments
-_SEGMENT = re.compile(r'fastrtps_(?:port\d+|[0-9a-f]{16})')
-_LOCKS = ('_el', '_sl')
-"""Endings of the files that the owner of a segment, or its readers, hold locked while they live."""
+_SEGMENT = re.compile(r'(fastrtps_[0-9a-f]{16})(?:_el)?')
+"""What every participant makes; the ports beside them are of nodes without config/loopback.xml, and not of a rig."""
+_LOCK = '_el'
+"""Ending of the file that the owner of a segment holds locked while it lives."""
 _LOCKED = re.compile(r'[0-9a-f]+:[0-9a-f]+:\d+')
 """Device and inode, as /proc/locks has them."""
 _NEW = 1.0
@@ -36,7 +37,7 @@ def no_dead_segments() -> Iterator[None]:
 def remove_dead_segments() -> None:
     """Remove the segments of Fast DDS that have no owner: a process that is killed cannot do it itself."""
     for name in dead_segments():
-        for file in (name, *(f'{name}{ending}' for ending in _LOCKS), f'sem.{name}_mutex'):
+        for file in (name, f'{name}{_LOCK}'):
             with suppress(OSError):  # somebody else's, or somebody was faster
                 (_FOLDER / file).unlink()
 
@@ -45,11 +46,11 @@ def dead_segments() -> set[str]:
     """Return the names of the segments that have no owner."""
     if not _FOLDER.is_dir():
         return set()
-    left = {match[0] for path in _FOLDER.iterdir() if (match := _SEGMENT.search(path.name))}
+    left = {match[1] for path in _FOLDER.iterdir() if (match := _SEGMENT.fullmatch(path.name))}
     # To try a lock takes it for a moment, in which its owner to be could not: so it is tried only where the list of
     # held ones, which may lack some while others come and go, does not name it.
     held = set(_LOCKED.findall(Path('/proc/locks').read_text(encoding='ascii')))
-    return {name for name in left if not any(_lives(_FOLDER / f'{name}{ending}', held) for ending in _LOCKS)}
+    return {name for name in left if not _lives(_FOLDER / f'{name}{_LOCK}', held)}
 
 
 def _lives(lock: Path, held: set[str]) -> bool:

@@ -2,7 +2,6 @@
 
 import filecmp
 import json
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -20,7 +19,6 @@ from kapitsa_ros.recording import topics
 from kapitsa_ros.recording.messages import decode_command
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.wire import read_tick
-from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.share import share_path
 from kapitsa_ros.units import RPM
@@ -95,22 +93,28 @@ def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded)
         assert comparable(values) == comparable(kapitsa('analyse', *bags, '--json').json)
 
 
+def domain_of(pid: int) -> int:
+    """Return the domain that an experiment has reserved: its nodes are told."""
+    child, *_ = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
+    variables = Path(f'/proc/{child}/environ').read_text().split('\0')
+    return int(next(text.removeprefix('ROS_DOMAIN_ID=') for text in variables if text.startswith('ROS_DOMAIN_ID=')))
+
+
 def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> None:
-    with reserved_domain() as domain:
-        pass  # free: the experiment reserves it for itself
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240]')
-    command = ['experiment', '--protocol', protocol, '--bags', tmp_path / 'bags', '--rate', '5', '--json']
+    command = ['experiment', '--protocol', protocol, '--bags', tmp_path / 'bags', '--rate', '1', '--json']
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'kapitsa_ros.rig', *command],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stderr is not None
+    assert 'run 1 of 1' in next(process.stderr)
     with on_loopback():
-        client = Client(domain)
+        client = Client(domain_of(process.pid))
     with client:
-        process = subprocess.Popen(
-            [sys.executable, '-m', 'kapitsa_ros.rig', *command], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-            text=True, env=os.environ | {'ROS_DOMAIN_ID': str(domain)},
-        )  # fmt: skip
-        assert process.stderr is not None
-        assert next(line for line in process.stderr if 'run 1 of 1' in line)
         answered = client.call('reset')
+        client.set_parameters(rate=0.0)
         out, err = process.communicate(timeout=100)
         assert answered.result().success
     assert process.returncode == 0, err
