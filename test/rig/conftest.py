@@ -2,9 +2,10 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,6 +62,17 @@ def observer(domain: int) -> Iterator[Observer]:
         listening = Observer(domain)
     with listening:
         yield listening
+
+
+@pytest.fixture(scope='session')
+def shared_memory_of() -> Callable[[Iterable[int]], set[Path]]:
+    """Return the files of the shared memory that DDS has made for processes, by their ids."""
+
+    def find(pids: Iterable[int]) -> set[Path]:
+        maps = [Path(f'/proc/{pid}/maps').read_text() for pid in pids]
+        return {Path(found) for text in maps for found in re.findall(r'/\S+/fastrtps_[0-9a-f]{16}', text)}
+
+    return find
 
 
 @pytest.fixture

@@ -371,11 +371,17 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
     def read_in(run: int) -> int:
         return sum(of == run for of, _ in desk.crew)
 
+    def images_drawn(person: Person) -> int:
+        return sum(bool(re.search('[▔━▁]', line)) for line in person.text('marks').splitlines())
+
     async def time_a_swing(person: Person, tenths: int) -> None:
         """Press the watch of a rig that stands still, so that it is pressed at a tenth of a second."""
         person.press('p')
         await person.until(lambda: 'PAUSED' in person.text('status'))
-        assert sum(bool(re.search('[▔━▁]', line)) for line in person.text('marks').splitlines()) == 2
+        heights, _ = desk.picture(person.app._now())
+        # Half a turn apart, the two images lie on each other where the mark is at mid-stroke as the lamp flashes.
+        drawn = {2} if np.ptp(heights) > 0.3 else {1, 2}
+        await person.until(lambda: images_drawn(person) in drawn)
         person.press('space')
         await person.until(lambda: desk.watch.runs)
         begun = person.app._now()

@@ -18,7 +18,7 @@ def test_bisection_finds_the_critical_speed(tmp_path: Path) -> None:
     with Rig(nodes=[role for role in ROLES if role != 'operator'], bags=tmp_path) as rig:
         done = subprocess.run(
             [sys.executable, EXAMPLES / 'bisection.py'], env=node_environment(rig.domain),
-            capture_output=True, text=True, timeout=60, check=False,
+            capture_output=True, text=True, timeout=120, check=False,
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         rig.wait_for('analyser/result', lambda result: 'experiment' in result)

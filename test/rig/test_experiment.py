@@ -4,6 +4,7 @@ import filecmp
 import json
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -113,6 +114,8 @@ def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> 
     with on_loopback():
         client = Client(domain_of(process.pid))
     with client:
+        while not client.is_served():
+            time.sleep(0.01)  # discovery takes its own time, and tells nobody
         answered = client.call('reset')
         client.set_parameters(rate=0.0)
         out, err = process.communicate(timeout=100)

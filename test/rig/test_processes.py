@@ -60,16 +60,6 @@ def children(pid: int) -> list[int]:
     return [int(child) for child in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
 
 
-def permanently_dead() -> set[str]:
-    """Return the segments without an owner that stay; other rigs on this machine come and go."""
-    dead = dead_segments()
-    deadline = time.monotonic() + 15
-    while dead and time.monotonic() < deadline:
-        time.sleep(0.2)
-        dead &= dead_segments()
-    return dead
-
-
 def role_of(pid: int) -> str:
     command = Path(f'/proc/{pid}/cmdline').read_bytes().split(b'\0')
     return command[command.index(b'kapitsa_ros.nodes') + 1].decode()
@@ -232,7 +222,9 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
 
 
 @pytest.mark.parametrize('role', ROLES)
-def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) -> None:
+def test_a_node_that_is_killed_ends_the_experiment(
+    role: str, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
+) -> None:
     process = subprocess.Popen(
         [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
@@ -242,6 +234,8 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
         assert process.stderr is not None
         assert next(line for line in process.stderr if 'run 1 of 3' in line)
         nodes = {role_of(pid): pid for pid in children(process.pid)}
+        shared = shared_memory_of(nodes.values())
+        assert len(shared) == len(ROLES)
         os.kill(nodes[role], signal.SIGKILL)
         out, err = process.communicate(timeout=30)
     finally:
@@ -251,7 +245,7 @@ def test_a_node_that_is_killed_ends_the_experiment(role: str, tmp_path: Path) ->
     assert out == ''
     assert [line for line in err.splitlines() if line] == [f'kapitsa: error: {role} was killed by SIGKILL']
     assert not [pid for pid in nodes.values() if Path(f'/proc/{pid}').exists()]
-    assert not permanently_dead()
+    assert not [segment for segment in shared if segment.exists()]
     # A bag that is left does not pretend to be whole.
     for bag in (tmp_path / 'A').glob('*/metadata.yaml'):
         assert "complete: 'false'" in bag.read_text()

@@ -2,13 +2,12 @@
 
 import os
 import pty
-import re
 import select
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -34,13 +33,12 @@ def has_begun(pid: int) -> bool:
 
 
 @contextmanager
-def leaving_nothing(pid: int) -> Iterator[None]:
+def leaving_nothing(pid: int, shared_memory_of: Callable[..., set[Path]]) -> Iterator[None]:
     """Within, a rig is stopped: on the way out its nodes must have ended and their shared memory must be gone."""
     nodes = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
     assert len(nodes) == len(ROLES)
     watches = [os.pidfd_open(int(node)) for node in nodes]
-    mapped = [Path(f'/proc/{process}/maps').read_text() for process in (pid, *nodes)]
-    shared = {Path(found) for maps in mapped for found in re.findall(r'/\S+/fastrtps_[0-9a-f]{16}', maps)}
+    shared = shared_memory_of([pid, *map(int, nodes)])
     assert shared
     yield
     assert all(map(has_ended, watches))
@@ -92,11 +90,13 @@ def test_a_signal_ends_a_node_that_is_not_ready_yet(number: signal.Signals, doma
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_experiment_leaves_nothing_running(number: signal.Signals, tmp_path: Path) -> None:
+def test_an_interrupted_experiment_leaves_nothing_running(
+    number: signal.Signals, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
+) -> None:
     process = subprocess.Popen([*EXPERIMENT, tmp_path], stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert next(line for line in process.stderr if 'run 1 of 3' in line)
-    with leaving_nothing(process.pid):
+    with leaving_nothing(process.pid, shared_memory_of):
         process.send_signal(number)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 128 + number
@@ -104,7 +104,7 @@ def test_an_interrupted_experiment_leaves_nothing_running(number: signal.Signals
     assert all("complete: 'false'" in metadata.read_text() for metadata in tmp_path.glob('*/metadata.yaml'))
 
 
-def test_a_closed_terminal_stops_the_experiment(tmp_path: Path) -> None:
+def test_a_closed_terminal_stops_the_experiment(shared_memory_of: Callable[..., set[Path]], tmp_path: Path) -> None:
     terminal, its_side = pty.openpty()
     process = subprocess.Popen(
         ['/usr/bin/setsid', '--ctty', *EXPERIMENT, tmp_path],
@@ -115,6 +115,6 @@ def test_a_closed_terminal_stops_the_experiment(tmp_path: Path) -> None:
     while b'run 1 of 3' not in seen:
         assert select.select([terminal], [], [], PATIENCE)[0]
         seen += os.read(terminal, 4096)
-    with leaving_nothing(process.pid):
+    with leaving_nothing(process.pid, shared_memory_of):
         os.close(terminal)
         assert process.wait(PATIENCE) == 128 + signal.SIGHUP
