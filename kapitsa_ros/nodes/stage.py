@@ -20,6 +20,7 @@ from kapitsa_ros.nodes.qos import LATCHED, STREAM, message_class
 from kapitsa_ros.nodes.view import Throttle
 from kapitsa_ros.physics.steps import DAY, SECOND, Tick, ends_session
 from kapitsa_ros.recording.errors import WireError
+from kapitsa_ros.recording.messages import load_codecs
 from kapitsa_ros.recording.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
 from kapitsa_ros.recording.wire import encode_silence, read_tick, stamp_of
 
@@ -76,6 +77,7 @@ class Stage(Node):
         }
         for topic in self.reads:
             self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
+        load_codecs(topic.type for topic in (*self.reads, *writes))
         self._peers = Peers(self, writes, self.reads, self.expected)
 
     # What a role adds.

@@ -25,10 +25,16 @@ from kapitsa_ros.recording.errors import WireError
 from kapitsa_ros.recording.wire import Block, decode_block, encode_block, encode_silence, is_silence, read_tick
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 _STORE = get_typestore(Stores.ROS2_JAZZY)
 _SHAFT, _PENDULUM, _PIVOT = 'shaft', 'pendulum', 'pivot'
+
+
+def load_codecs(kinds: Iterable[str]) -> None:
+    """Make what reads and writes messages of these types: rosbags would at their first use, in the middle of a run."""
+    for kind in kinds:
+        _STORE.get_msgdef(kind)
 
 
 def _time(nanoseconds: int) -> Any:
