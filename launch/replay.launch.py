@@ -2,14 +2,16 @@
 
 from pathlib import Path
 
-from launch.actions import IncludeLaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
 
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.rig.launch_parts import describe, role_node
-from kapitsa_ros.rig.launched import replay_from
+from kapitsa_ros.rig.environment import loopback
+from kapitsa_ros.rig.launched import end_with_failed, replay_from
 from kapitsa_ros.rig.roster import REPLAY_ROLES
 from kapitsa_ros.rig.viewers import VIEWERS
-from launch import LaunchDescription, LaunchDescriptionEntity
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 ARGUMENTS = {
     'bags': ('runs', 'folder of a run, or of several', None),
@@ -18,19 +20,35 @@ ARGUMENTS = {
 }
 
 
-def start(said: dict[str, str]) -> list[LaunchDescriptionEntity]:
+def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer, and both roles with the bags in the folder, in the order of their names."""
+    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     told = replay_from(said)
-    plant = RunBag(Path(told['bags'][0])).run.plant
-    drawn = {'viewer': said['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
-    path = Path(__file__).with_name('viewer.launch.py')
-    # The viewer first, so that nothing has started when its package is missing.
-    return [
-        IncludeLaunchDescription(str(path), launch_arguments=drawn.items()),
-        *(role_node(role, told) for role in REPLAY_ROLES),
+    started: list[LaunchDescriptionEntity] = [
+        Node(
+            package='kapitsa_ros',
+            executable=role,
+            name=role,
+            parameters=[told],
+            output='screen',
+            on_exit=end_with_failed,
+        )
+        for role in REPLAY_ROLES
     ]
+    if said['viewer'] != 'none':
+        plant = RunBag(Path(told['bags'][0])).run.plant
+        drawn = {'viewer': said['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
+        path = Path(__file__).with_name('viewer.launch.py')
+        # First, so that nothing has started when its package is missing.
+        started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=drawn.items()))
+    return started
 
 
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the nodes."""
-    return describe(ARGUMENTS, start)
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
+        for name, (default, text, choices) in ARGUMENTS.items()
+    ]
+    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])

@@ -2,15 +2,17 @@
 
 from pathlib import Path
 
-from launch.actions import IncludeLaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
 from kapitsa_ros.physics.parameters import PRESETS
-from kapitsa_ros.rig.launch_parts import describe, role_node
-from kapitsa_ros.rig.launched import rig_from
+from kapitsa_ros.rig.environment import loopback
+from kapitsa_ros.rig.launched import end_with_failed, rig_from
 from kapitsa_ros.rig.roster import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
-from launch import LaunchDescription, LaunchDescriptionEntity
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 ARGUMENTS = {
     'preset': ('ideal', 'the plant', list(PRESETS)),
@@ -23,20 +25,41 @@ ARGUMENTS = {
 }
 
 
-def start(said: dict[str, str]) -> list[LaunchDescriptionEntity]:
-    """Start the viewer and the roles of the roster."""
+def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Start the viewer and the roles of the roster with what the arguments say."""
+    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     setup = rig_from(said)
     told = parameters(setup)
-    plant = setup.plant
-    drawn = {'viewer': said['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
-    path = Path(__file__).with_name('viewer.launch.py')
-    # The viewer first, so that nothing has started when its package is missing.
+    # First, so that nothing has started when its package is missing.
+    viewer = IncludeLaunchDescription(
+        str(Path(__file__).with_name('viewer.launch.py')),
+        launch_arguments={
+            'viewer': said['viewer'],
+            'length': str(setup.plant.length),
+            'amplitude': str(setup.plant.amplitude),
+        }.items(),
+    )
     return [
-        IncludeLaunchDescription(str(path), launch_arguments=drawn.items()),
-        *(role_node(role, told) for role in setup.roles),
+        viewer,
+        *(
+            Node(
+                package='kapitsa_ros',
+                executable=role,
+                name=role,
+                parameters=[told],
+                output='screen',
+                on_exit=end_with_failed,
+            )
+            for role in setup.roles
+        ),
     ]
 
 
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the nodes."""
-    return describe(ARGUMENTS, start)
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
+        for name, (default, text, choices) in ARGUMENTS.items()
+    ]
+    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])

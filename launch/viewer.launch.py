@@ -1,13 +1,14 @@
 """A viewer for a rig that runs here, or that another launch file starts."""
 
-from launch.actions import LogInfo
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.rig.launch_parts import describe
+from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.viewers import VIEWERS, Program, programs
 from kapitsa_ros.share import share_path
-from launch import LaunchDescription, LaunchDescriptionEntity
+from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 PLANT = PlantParameters()
 ARGUMENTS = {
@@ -28,8 +29,9 @@ def as_node(program: Program) -> Node:
     )
 
 
-def start(said: dict[str, str]) -> list[LaunchDescriptionEntity]:
+def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
+    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     plant = PlantParameters(length=float(said['length']), amplitude=float(said['amplitude']))
     started: list[LaunchDescriptionEntity] = [as_node(program) for program in programs(said['viewer'], plant)]
     if said['viewer'] == 'foxglove':
@@ -42,4 +44,9 @@ def start(said: dict[str, str]) -> list[LaunchDescriptionEntity]:
 
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the viewer."""
-    return describe(ARGUMENTS, start)
+    declared = [
+        DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
+        for name, (default, text, choices) in ARGUMENTS.items()
+    ]
+    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])
