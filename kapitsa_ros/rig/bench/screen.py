@@ -9,7 +9,6 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.app import App, ComposeResult
-from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.message import Message
 from textual.screen import ModalScreen
@@ -20,6 +19,7 @@ from kapitsa_ros.rig.bench import panels
 from kapitsa_ros.rig.bench.desk import FASTEST, Desk
 from kapitsa_ros.rig.bench.guide import HELP
 from kapitsa_ros.rig.bench.hands import Hands
+from kapitsa_ros.rig.bench.keys import KEYS
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
     from rich.text import Text
     from textual import events
+    from textual.binding import BindingType
 
     from kapitsa_ros.nodes.client import News
     from kapitsa_ros.rig.harness import Rig
@@ -105,36 +106,7 @@ class BenchScreen(App[RigError]):
     .small #bench { display: none; }
     .small #small { display: block; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding('up', 'speed(10)', 'faster', key_display='↑', show=False),
-        Binding('down', 'speed(-10)', 'slower', key_display='↓', show=False),
-        Binding('pageup', 'speed(100)', show=False),
-        Binding('pagedown', 'speed(-100)', show=False),
-        Binding('s', "ask('speed')", 'speed', key_display='↑↓ s', priority=True),
-        Binding('right', 'touch(1)', show=False),
-        Binding('left', 'touch(-1)', show=False),
-        Binding('right_square_bracket', 'dial(100)', show=False),
-        Binding('left_square_bracket', 'dial(-100)', show=False),
-        Binding('d', "ask('dial')", 'lamp', key_display='←→ d', priority=True),
-        *(Binding(str(number), f'images({number})', show=False) for number in range(1, 6)),
-        Binding('r', 'release', 'release'),
-        Binding('a', "ask('angle')", show=False, priority=True),
-        Binding('space', 'watch', 'watch', key_display='space'),
-        Binding('plus,equals_sign', 'swings(1)', show=False),
-        Binding('minus', 'swings(-1)', show=False),
-        Binding('c', 'clear', show=False),
-        Binding('w', 'write_down', 'write'),
-        Binding('u', 'strike_out', show=False),
-        Binding('p', 'pause', show=False),
-        Binding('n', 'step', show=False),
-        Binding('less_than_sign', 'pace(0.5)', show=False),
-        Binding('greater_than_sign', 'pace(2.0)', show=False),
-        Binding('x', 'new_run', 'next run'),
-        Binding('question_mark', 'guide', 'help', key_display='?'),
-        Binding('q', 'leave', 'quit'),
-        Binding('ctrl+c', 'leave', show=False, priority=True),
-        Binding('escape', 'answer_nothing', show=False),
-    ]
+    BINDINGS: ClassVar[list[BindingType]] = KEYS
 
     def __init__(self, rig: Rig, desk: Desk, title: str) -> None:
         super().__init__()
