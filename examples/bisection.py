@@ -115,6 +115,9 @@ def main() -> None:
         rclpy.spin_once(controller)
     controller.command.wait_for_all_acked(Duration(seconds=5))
     print(f'{controller.speed / RPM:.1f}')
+    # The rig's nodes leave now; Fast DDS may hang in a node that is taken down while it hears of others that leave.
+    while controller.count_subscribers('operator/command'):
+        rclpy.spin_once(controller, timeout_sec=0.2)
     controller.destroy_node()
     rclpy.shutdown()
 

@@ -18,6 +18,7 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
+from kapitsa_ros.nodes.departure import exit_within, remove_own_segments
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.signals import hold_signals_back, let_signals_through
 from kapitsa_ros.recording.errors import BagError
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.nodes.stage import Stage
 
+PATIENCE = 1.0
+"""Seconds given to DDS to take a node down."""
 ROLES = ('jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player')
 
 
@@ -42,23 +45,32 @@ def main(arguments: list[str] | None = None) -> int:
     if {'-h', '--help'} & set(_beside_ros(arguments)):
         print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
         return 0
+    status, node = 0, None
     try:
         _start(arguments)
-        _spin(module.create)
+        node = _create(module.create)
+        _spin(node)
     except SettingError as error:
-        print(f'{role}: error: {error}', file=sys.stderr)
-        return 2
+        status = _complain(role, error, 2)
     except (NodeError, BagError, ValueError, OSError) as error:
-        print(f'{role}: error: {error}', file=sys.stderr)
-        return 1
+        if node is not None:
+            node.fail(error)
+        status = _complain(role, error, 1)
     except (ExternalShutdownException, NotInitializedException, RuntimeError):
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
         if rclpy.ok():
             raise
     finally:
         hold_signals_back()
+        if node is not None:
+            _take_down(node, status)
         rclpy.try_shutdown()
-    return 0
+    return status
+
+
+def _complain(role: str, error: Exception, status: int) -> int:
+    print(f'{role}: error: {error}', file=sys.stderr, flush=True)
+    return status
 
 
 def _beside_ros(arguments: list[str]) -> list[str]:
@@ -80,7 +92,7 @@ def _start(arguments: list[str]) -> None:
     let_signals_through()
 
 
-def _spin(create: Callable[[], Stage]) -> None:
+def _create(create: Callable[[], Stage]) -> Stage:
     try:
         node = create()
     except RCLError as error:
@@ -90,19 +102,28 @@ def _spin(create: Callable[[], Stage]) -> None:
         raise SettingError(f'no node can be made, ROS_DOMAIN_ID is {domain}: {str(error).splitlines()[0]}') from error
     # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
+    return node
+
+
+def _spin(node: Stage) -> None:
     executor = EventsExecutor()
     executor.add_node(node)
     try:
         # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
         while not node.finished and rclpy.ok() and _rig_is_there():
             executor.spin_once(timeout_sec=node.poll())
-    except (NodeError, BagError, ValueError, OSError) as error:
-        node.fail(error)
-        raise
     finally:
-        node.close()
-        executor.shutdown()
-        node.destroy_node()
+        try:
+            node.close()
+        finally:
+            executor.shutdown()
+
+
+def _take_down(node: Stage, status: int) -> None:
+    """Let go of the node: DDS tells the others, and may hang after that."""
+    remove_own_segments()
+    exit_within(PATIENCE, status)
+    node.destroy_node()
 
 
 def _rig_is_there() -> bool:

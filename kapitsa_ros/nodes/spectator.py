@@ -11,8 +11,13 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
+from kapitsa_ros.nodes.departure import wait_until_quiet
+
 if TYPE_CHECKING:
     from types import TracebackType
+
+PATIENCE = 1.0
+"""Seconds for which the domain may take to come to rest before a spectator leaves it."""
 
 
 class Spectator:
@@ -28,6 +33,7 @@ class Spectator:
     """
 
     def __init__(self, name: str, domain: int) -> None:
+        self._domain = domain
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
@@ -47,6 +53,8 @@ class Spectator:
         self._context.try_shutdown()
         self._thread.join()
         self._executor.shutdown()
+        # Others may just be leaving.
+        wait_until_quiet(self._domain, PATIENCE)
         self._node.destroy_node()
 
     def _spin(self) -> None:

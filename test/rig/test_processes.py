@@ -70,8 +70,8 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, 
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
     spectator = Node('spectator', context=context)
-    try:
-        with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
+    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
+        try:
             observer.wait_for_progress(PATIENCE)
             eventually(lambda: set(ROLES) <= set(spectator.get_node_names()))
             seen = dict(spectator.get_topic_names_and_types())
@@ -82,9 +82,9 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, 
                 assert set(topic.readers) & set(ROLES) <= readers
             for topic, kind in (('/joint_states', 'sensor_msgs/msg/JointState'), ('/clock', 'rosgraph_msgs/msg/Clock')):
                 assert seen[topic] == [kind]
-    finally:
-        spectator.destroy_node()
-        context.try_shutdown()
+        finally:  # before the others leave: see nodes/departure.py
+            spectator.destroy_node()
+            context.try_shutdown()
 
 
 def test_dds_uses_loopback_alone(domain: int, observer: Observer, tmp_path: Path) -> None:
@@ -195,6 +195,9 @@ from kapitsa_ros.nodes.qos import STREAM
 rclpy.init()
 node = rclpy.create_node('echo')
 node.create_subscription(JointTrajectory, 'pendulum/motion', lambda _: print('.', end='', flush=True), STREAM)
+while not any(info.node_name == 'pendulum' for info in node.get_publishers_info_by_topic('pendulum/motion')):
+    rclpy.spin_once(node, timeout_sec=0.01)
+print('They know each other', flush=True)
 rclpy.spin(node)
 """
 
@@ -206,7 +209,8 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     assert echo.stdout is not None
     try:
         with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
-            assert echo.stdout.read(1) == b'.'
+            assert b'They know each other' in echo.stdout.readline()
+            assert echo.stdout.read(10) == 10 * b'.'
             echo.send_signal(signal.SIGSTOP)
             assert nodes['pendulum'].wait_for_line('waiting for a reader that has stopped', PATIENCE)
             echo.send_signal(signal.SIGCONT)

@@ -37,21 +37,21 @@ def test_unbounded_ends_are_null_and_said(tmp_path):
     assert 'unbounded' in run(str(table))
 
 
-def test_readings_off_any_line_widen_the_interval_and_are_said_to(tmp_path):
+def test_readings_off_any_line_widen_the_interval_and_are_said_to(tmp_path, kapitsa):
     table = tmp_path / 'apart.csv'
     table.write_text('forcing_rpm,period_s,period_sigma_s\n2240,1.00,0.001\n2240,0.98,0.001\n2780,0.68,0.001\n')
-    result = CliRunner().invoke(reduce, [str(table), '--json'])
-    values = json.loads(result.stdout)
-    assert 'is added to its error' in result.stderr
+    answer = kapitsa('reduce', table, '--json')
+    values = answer.json
+    assert 'is added to its error' in answer.err
     # √(((1 − 0.98)² / 2) / (1 dof)) = 1.4 % of a period
     assert values['eiv_discrepancy_percent'] == pytest.approx(1.43, abs=0.05)
     low, high = values['eiv_interval_rpm']
     assert low is None
     assert high is None or high > values['eiv_rpm'] + 100
     table.write_text('forcing_rpm,period_s,period_sigma_s\n2240,3.00,0.001\n2240,0.7,0.001\n2780,0.68,0.001\n')
-    result = CliRunner().invoke(reduce, [str(table), '--json'])
-    assert 'contradict one another' in result.stderr
-    assert json.loads(result.stdout)['eiv_interval_rpm'] == [None, None]
+    answer = kapitsa('reduce', table, '--json')
+    assert 'contradict one another' in answer.err
+    assert answer.json['eiv_interval_rpm'] == [None, None]
 
 
 def test_runs_that_contradict_are_refused(tmp_path):

@@ -1,0 +1,98 @@
+"""Leaving the graph, although DDS may not come back from it.
+
+A participant that is taken down waits for discovery callbacks under way, with a deadline that overflows where libstdc++
+has to convert it (Fast DDS 2.14, DomainParticipantImpl::set_listener). Meeting one it spins for ever, and holds a lock
+that the callback needs, and Python's. They meet when many leave at once, as at the end of a session.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import re
+import time
+from contextlib import suppress
+from pathlib import Path
+
+_CLOCK_MONOTONIC = 1
+_SIGEV_THREAD = 2
+_LOOK_PERIOD = 0.02
+"""Seconds between two looks at threads that are to be quiet."""
+_SEGMENT = re.compile(r'/\S+/fastrtps_[0-9a-f]{16}')
+
+
+class _Event(ctypes.Structure):
+    """`struct sigevent` of glibc."""
+
+    _fields_ = (
+        ('value', ctypes.c_long),
+        ('signal', ctypes.c_int),
+        ('notify', ctypes.c_int),
+        ('function', ctypes.c_void_p),
+        ('attributes', ctypes.c_void_p),
+        ('rest', ctypes.c_char * 32),
+    )
+
+
+class _Alarm(ctypes.Structure):
+    """`struct itimerspec`."""
+
+    _fields_ = tuple((name, ctypes.c_long) for name in ('every_s', 'every_ns', 'after_s', 'after_ns'))
+
+
+def exit_within(seconds: float, status: int) -> None:
+    """End this process with a status when some time has gone by, even if it hangs in C with Python's lock held.
+
+    Parameters
+    ----------
+    seconds
+        Of wall time.
+    status
+        Exit status.
+
+    Raises
+    ------
+    OSError
+        The system has no timer left.
+
+    """
+    libc = ctypes.CDLL(None, use_errno=True)
+    function = ctypes.cast(libc._exit, ctypes.c_void_p)  # noqa: SLF001  # its name in C
+    event = _Event(value=status, notify=_SIGEV_THREAD, function=function)
+    timer = ctypes.c_void_p()
+    alarm = _Alarm(after_s=int(seconds), after_ns=int(seconds % 1 * 1e9))
+    if libc.timer_create(_CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or libc.timer_settime(
+        timer, 0, ctypes.byref(alarm), None
+    ):
+        raise OSError(ctypes.get_errno(), 'no timer')
+
+
+def remove_own_segments() -> None:
+    """Remove the names of the shared memory of this process, as DDS does itself if it comes so far."""
+    for segment in set(_SEGMENT.findall(Path('/proc/self/maps').read_text(encoding='utf-8'))):
+        for name in (segment, f'{segment}_el'):
+            with suppress(OSError):
+                Path(name).unlink()
+
+
+def wait_until_quiet(domain: int, patience: float) -> None:
+    """Wait until the threads that hear a domain for this process have all come to rest, or for so many seconds."""
+    deadline = time.monotonic() + patience
+    before: dict[str, str] | None = None
+    while time.monotonic() < deadline:
+        now = listeners(domain)
+        if now == before and all('State:\tS' in status for status in now.values()):
+            return
+        before = now
+        time.sleep(_LOOK_PERIOD)
+
+
+def listeners(domain: int) -> dict[str, str]:
+    """Return what the system says of each thread of Fast DDS that hears a domain, how often it has run among it."""
+    ports = range(7400 + 250 * domain, 7400 + 250 * (domain + 1))  # RTPS specification, 9.6.1.1
+    found = {}
+    for thread in Path('/proc/self/task').iterdir():
+        with suppress(OSError):  # gone since
+            port = (thread / 'comm').read_text(encoding='utf-8').strip().rpartition('dds.udp.')[2]
+            if port.isdecimal() and int(port) in ports:
+                found[thread.name] = (thread / 'status').read_text(encoding='utf-8')
+    return found
