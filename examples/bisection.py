@@ -48,11 +48,13 @@ class Bisection(Node):
         """The speed to try next, rad/s."""
         return (self.low + self.high) / 2
 
+    def readers(self) -> set[str]:
+        """Return which nodes of the rig read commands now."""
+        return READERS & {reader.node_name for reader in self.get_subscriptions_info_by_topic('operator/command')}
+
     def everyone_is_there(self) -> bool:
         """Whether no command would be missed, and no motion."""
-        readers = self.get_subscriptions_info_by_topic('operator/command')
-        names = {reader.node_name for reader in readers}
-        return names >= READERS and self.count_publishers('pendulum/motion') > 0
+        return self.readers() == READERS and self.count_publishers('pendulum/motion') > 0
 
     def open_run(self) -> None:
         """Say what holds until the first motion can be answered; or that no run will follow."""
@@ -116,7 +118,7 @@ def main() -> None:
     controller.command.wait_for_all_acked(Duration(seconds=5))
     print(f'{controller.speed / RPM:.1f}')
     # The rig's nodes leave now; Fast DDS may hang in a node that is taken down while it hears of others that leave.
-    while controller.count_subscribers('operator/command'):
+    while controller.readers():
         rclpy.spin_once(controller, timeout_sec=0.2)
     controller.destroy_node()
     rclpy.shutdown()

@@ -20,7 +20,7 @@ from rclpy.experimental import EventsExecutor
 
 from kapitsa_ros.nodes.departure import exit_within, remove_own_segments
 from kapitsa_ros.nodes.errors import NodeError, SettingError
-from kapitsa_ros.nodes.signals import hold_signals_back, let_signals_through
+from kapitsa_ros.nodes.signals import hold_signals_back, ignore_signals, let_signals_through
 from kapitsa_ros.recording.errors import BagError
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
         if node is not None:
             _take_down(node, status)
         rclpy.try_shutdown()
+        ignore_signals()
     return status
 
 

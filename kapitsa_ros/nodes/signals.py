@@ -28,6 +28,12 @@ def hold_signals_back() -> None:
         signal.signal(number, lambda number, _: _kept.add(number))
 
 
+def ignore_signals() -> None:
+    """Let nothing disturb a process on its way out; Python would put back what ends it with another status."""
+    for number in _HEEDED:
+        signal.signal(number, signal.SIG_IGN)
+
+
 def let_signals_through() -> None:
     """Leave them to rclpy, which is initialised and shuts its context."""
     signal.pthread_sigmask(signal.SIG_UNBLOCK, _RCLPY_HEEDS)
