@@ -45,11 +45,12 @@ def main(arguments: list[str] | None = None) -> int:
     if {'-h', '--help'} & set(_beside_ros(arguments)):
         print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
         return 0
-    status, node = 0, None
+    status, node = 1, None
     try:
         _start(arguments)
         node = _create(module.create)
         _spin(node)
+        status = 0
     except SettingError as error:
         status = _complain(role, error, 2)
     except (NodeError, BagError, ValueError, OSError) as error:
@@ -60,6 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
         if rclpy.ok():
             raise
+        status = 0
     finally:
         hold_signals_back()
         if node is not None:

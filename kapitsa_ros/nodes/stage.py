@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -147,8 +148,9 @@ class Stage(Node):
 
     def fail(self, error: Exception) -> None:
         """Tell whoever watches `diagnostics` why this node ends."""
-        self.diagnostics.publish(failure_message(self.get_name(), self.get_clock().now().nanoseconds, str(error)))
-        self.diagnostics.wait_for_all_acked(PARTING)
+        with suppress(RCLError):  # nobody can be told once a signal has shut the context
+            self.diagnostics.publish(failure_message(self.get_name(), self.get_clock().now().nanoseconds, str(error)))
+            self.diagnostics.wait_for_all_acked(PARTING)
 
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""

@@ -89,6 +89,35 @@ def test_a_signal_ends_a_node_that_is_not_ready_yet(number: signal.Signals, doma
     assert [node.returncode for node in nodes] == [0] * len(ROLES)
 
 
+FULL_DISK = """
+import sys
+import kapitsa_ros.nodes.recorder as recorder
+from kapitsa_ros.nodes.process import main
+from kapitsa_ros.recording.errors import BagError
+
+class Full(recorder.RecorderNode):
+    def close(self):
+        raise BagError('cannot finish run_01: no space left')
+
+recorder.create = Full
+sys.exit(main(['recorder']))
+"""
+
+
+def test_what_goes_wrong_after_a_signal_is_said_in_one_line(domain: int) -> None:
+    node = subprocess.Popen(
+        [sys.executable, '-c', FULL_DISK], env=node_environment(domain), stderr=subprocess.PIPE, text=True
+    )
+    assert node.stderr is not None
+    assert next(line for line in node.stderr if 'joins domain' in line)
+    node.send_signal(signal.SIGINT)
+    _, err = node.communicate(timeout=PATIENCE)
+    assert [line for line in err.splitlines() if 'INFO' not in line] == [
+        'recorder: error: cannot finish run_01: no space left'
+    ]
+    assert node.returncode == 1
+
+
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_experiment_leaves_nothing_running(
     number: signal.Signals, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
