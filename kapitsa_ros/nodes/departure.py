@@ -8,7 +8,6 @@ that the callback needs, and Python's. They meet when many leave at once, as at 
 from __future__ import annotations
 
 import ctypes
-import re
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -17,7 +16,6 @@ _CLOCK_MONOTONIC = 1
 _SIGEV_THREAD = 2
 _LOOK_PERIOD = 0.02
 """Seconds between two looks at threads that are to be quiet."""
-_SEGMENT = re.compile(r'/\S+/fastrtps_[0-9a-f]{16}')
 
 
 class _Event(ctypes.Structure):
@@ -64,14 +62,6 @@ def exit_within(seconds: float, status: int) -> None:
         timer, 0, ctypes.byref(alarm), None
     ):
         raise OSError(ctypes.get_errno(), 'no timer')
-
-
-def remove_own_segments() -> None:
-    """Remove the names of the shared memory of this process, as DDS does itself if it comes so far."""
-    for segment in set(_SEGMENT.findall(Path('/proc/self/maps').read_text(encoding='utf-8'))):
-        for name in (segment, f'{segment}_el'):
-            with suppress(OSError):
-                Path(name).unlink()
 
 
 def wait_until_quiet(domain: int, patience: float) -> None:

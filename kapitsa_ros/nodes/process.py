@@ -18,7 +18,7 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
-from kapitsa_ros.nodes.departure import exit_within, remove_own_segments
+from kapitsa_ros.nodes.departure import exit_within
 from kapitsa_ros.nodes.errors import NodeError, SettingError
 from kapitsa_ros.nodes.signals import hold_signals_back, ignore_signals, let_signals_through
 from kapitsa_ros.recording.errors import BagError
@@ -124,7 +124,6 @@ def _spin(node: Stage) -> None:
 
 def _take_down(node: Stage, status: int) -> None:
     """Let go of the node: DDS tells the others, and may hang after that."""
-    remove_own_segments()
     exit_within(PATIENCE, status)
     node.destroy_node()
 

@@ -24,4 +24,4 @@ def test_a_process_that_hangs_with_the_interpreters_lock_ends(status: int) -> No
 def test_who_hears_a_domain_is_found(domain: int) -> None:
     """By the names that Fast DDS gives its threads."""
     assert len(listeners(domain)) >= 2  # discovery, and what is said
-    assert not listeners(domain - 1)
+    assert not listeners(101)  # which no test is given
