@@ -16,7 +16,7 @@ setup: $(VENV)/.done
 $(VENV)/.done: setup.py $(CONSTRAINTS)
 	$(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) -e '.[$(EXTRAS)]'
-	$(BIN)/python -m kapitsa_ros.physics.warm
+	$(BIN)/python -m kapitsa_ros.physics.compile_kernels
 	touch $@
 
 experiment: setup

@@ -13,14 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.campaign import perform_all
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.reduction import Line, inverse, ordinary
+from kapitsa_ros.analysis.line_fit import LineFit, inverse, ordinary
 from kapitsa_ros.analysis.table import Readings
-from kapitsa_ros.analysis.virtual import VirtualExperiment
-from kapitsa_ros.instruments.protocol import load_protocol
 from kapitsa_ros.instruments.settings import load_instruments
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.laboratory.campaign import perform_all
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.operator.protocol import load_protocol
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.units import RPM
 
@@ -45,7 +45,7 @@ def share(values: list[float | None]) -> dict[str, float]:
     }
 
 
-def critical(fit: Callable[[Readings], Line], readings: Readings) -> float | None:
+def critical(fit: Callable[[Readings], LineFit], readings: Readings) -> float | None:
     """Return the critical speed of a fit; None where the readings give none."""
     try:
         return fit(readings).omega_crit
@@ -55,7 +55,7 @@ def critical(fit: Callable[[Readings], Line], readings: Readings) -> float | Non
 
 def drawn(draws: int) -> dict[str, dict[str, float]]:
     """Put normal errors on the true periods."""
-    periods = np.array([2 * math.pi / slow_frequency_nonlinear(PlantParameters(), speed, 0.12) for speed in SPEEDS])
+    periods = np.array([2 * math.pi / slow_frequency_nonlinear(Plant(), speed, 0.12) for speed in SPEEDS])
     rng = np.random.default_rng(1)
     sigma = JITTER * math.sqrt(2) / SWINGS
     found: dict[str, list[float | None]] = {'ordinary': [], 'inverse': []}
@@ -69,9 +69,7 @@ def drawn(draws: int) -> dict[str, dict[str, float]]:
 def performed(experiments: int) -> dict[str, dict[str, float]]:
     """Let the virtual person carry out the procedure."""
     instruments = load_instruments('1997', {'reaction_jitter': JITTER})
-    experiment = VirtualExperiment(
-        plant=PlantParameters(), instruments=instruments, protocol=load_protocol('1997'), seed=0
-    )
+    experiment = SimulatedExperiment(plant=Plant(), instruments=instruments, protocol=load_protocol('1997'), seed=0)
     outcomes = list(perform_all(experiment, experiments))
     return {
         'ordinary': share([outcome.ordinary for outcome in outcomes]),

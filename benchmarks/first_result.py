@@ -9,7 +9,7 @@ import sys
 import time
 
 COMMAND = ['simulate', '--speed', '2500', '--release', '0.12', '--duration', '60', '--json']
-START = 'from kapitsa_ros.rig.cli import main; main()'
+START = 'from kapitsa_ros.cli.main import main; main()'
 
 
 def main() -> None:

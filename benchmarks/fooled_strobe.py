@@ -9,8 +9,8 @@ import argparse
 import json
 from collections import Counter
 
-from kapitsa_ros.instruments.procedure import raise_until_doubled
-from kapitsa_ros.instruments.randomness import stream
+from kapitsa_ros.instruments.dial_search import raise_until_doubled
+from kapitsa_ros.instruments.random_streams import random_stream
 from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.units import RPM
 
@@ -18,7 +18,9 @@ from kapitsa_ros.units import RPM
 def count(seeds: int, speed_rpm: float) -> Counter[str]:
     """Return how often the person stopped at each ratio."""
     settings = load_instruments('1997').strobe
-    found = (raise_until_doubled(speed_rpm * RPM, settings, stream(seed, 'strobe', 1)) for seed in range(1, seeds + 1))
+    found = (
+        raise_until_doubled(speed_rpm * RPM, settings, random_stream(seed, 'strobe', 1)) for seed in range(1, seeds + 1)
+    )
     return Counter(str(finding.ratio) if finding else 'none' for finding in found)
 
 

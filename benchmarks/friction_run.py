@@ -14,19 +14,19 @@ from measure import Claim, cpu
 from pendulum import ANGLE, DURATION, PLANT, SHAKE, SPEED, WEIGHT
 from scipy.integrate import solve_ivp
 
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.release import Release
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 COULOMB = 1.0
 RUBBING = replace(PLANT, coulomb=COULOMB)
 WORK = '60 s at 2500 RPM, Coulomb friction'
 
 
-def ours(plant: PlantParameters = RUBBING, duration: float = DURATION) -> float:
+def ours(plant: Plant = RUBBING, duration: float = DURATION) -> float:
     """Return θ in the end."""
     return float(Release(plant=plant, speed=SPEED, angle=ANGLE).sampled(duration, 1.0 / duration).angle[-1])
 

@@ -6,11 +6,11 @@ import math
 
 import heyoka as hy
 
-from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.release import Release
 from kapitsa_ros.units import RPM
 
-PLANT = PlantParameters()
+PLANT = Plant()
 SPEED = 2500 * RPM
 ANGLE = 0.12
 DURATION = 60.0

@@ -13,8 +13,8 @@ from pendulum import ANGLE, PLANT, SPEED, slope
 from scipy.integrate import odeint, solve_ivp
 from scipy.interpolate import CubicSpline
 
-from kapitsa_ros.physics.pivot import Jigsaw
-from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.pendulum import Pendulum
 
 BLOCKS = 100
 

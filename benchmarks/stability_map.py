@@ -12,11 +12,11 @@ from measure import Claim, cpu
 from scipy.special import mathieu_a, mathieu_b
 
 from kapitsa_ros.physics.kernels.mathieu import half_trace
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory import stability_map
 from kapitsa_ros.units import RPM
 
-PLANT = PlantParameters(damping=1.0)
+PLANT = Plant(damping=1.0)
 SPEEDS = np.linspace(500.0, 5000.0, 1000) * RPM
 AMPLITUDES = np.linspace(0.02, 0.5, 1000) * PLANT.length
 FEW = 2000

@@ -12,8 +12,8 @@ import numpy as np
 from measure import Claim, cpu
 from pendulum import PLANT, SPEED
 
-from kapitsa_ros.physics.ensemble import release_many
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.batch import simulate_batch
+from kapitsa_ros.physics.release import Release
 
 DURATION = 6.0
 MANY = 10_000
@@ -29,7 +29,7 @@ def main() -> None:
     angles = np.linspace(0.01, 0.3, MANY)
 
     def many(count: int) -> np.ndarray:
-        return release_many(PLANT, speed=SPEED, angle=angles[:: MANY // count], duration=DURATION).angle
+        return simulate_batch(PLANT, speed=SPEED, angle=angles[:: MANY // count], duration=DURATION).angle
 
     def single() -> float:
         return float(Release(plant=PLANT, speed=SPEED, angle=angles[0]).sampled(DURATION, 1 / DURATION).angle[-1])

@@ -8,8 +8,8 @@ from launch_ros.actions import Node
 
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launched import end_with_failed, replay_from
-from kapitsa_ros.rig.roster import REPLAY_ROLES
+from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from
+from kapitsa_ros.rig.setup import REPLAY_ROLES
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 

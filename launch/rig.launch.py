@@ -7,10 +7,10 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.parameters import PRESETS
+from kapitsa_ros.physics.plant import PRESETS
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launched import end_with_failed, rig_from
-from kapitsa_ros.rig.roster import parameters
+from kapitsa_ros.rig.launch_arguments import end_with_failed, rig_from
+from kapitsa_ros.rig.setup import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 

@@ -4,13 +4,13 @@ from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEn
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.viewers import VIEWERS, Program, programs
-from kapitsa_ros.share import share_path
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
-PLANT = PlantParameters()
+PLANT = Plant()
 ARGUMENTS = {
     'viewer': ('rviz', 'what shows the rig', list(VIEWERS)),
     'length': (str(PLANT.length), 'of the rod that is drawn, m', None),
@@ -32,10 +32,10 @@ def as_node(program: Program) -> Node:
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
     said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    plant = PlantParameters(length=float(said['length']), amplitude=float(said['amplitude']))
+    plant = Plant(length=float(said['length']), amplitude=float(said['amplitude']))
     started: list[LaunchDescriptionEntity] = [as_node(program) for program in programs(said['viewer'], plant)]
     if said['viewer'] == 'foxglove':
-        layout = share_path('config', 'viewers', 'foxglove.json')
+        layout = resource_path('config', 'viewers', 'foxglove.json')
         started.append(
             LogInfo(msg=f'Foxglove: open a connection to ws://127.0.0.1:8765 and import the layout {layout}')
         )

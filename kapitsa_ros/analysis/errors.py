@@ -1,13 +1,11 @@
-"""Errors of the analysis room."""
+"""Errors of the analysis."""
+
+from kapitsa_ros.errors import KapitsaError
 
 
-class AnalysisError(ValueError):
-    """Readings from which the asked quantity cannot be had; the message names the mend."""
+class AnalysisError(KapitsaError, ValueError):
+    """Readings from which the requested quantity cannot be had; the message says how to mend it."""
 
 
 class TableError(AnalysisError):
     """A table of readings cannot be used: missing columns, text, units mixed up, or too few different speeds."""
-
-
-class RunError(AnalysisError):
-    """A run cannot be analysed: readings or settings are missing, or contradict each other."""

@@ -7,20 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
-from kapitsa_ros.analysis.errors import AnalysisError, RunError, TableError
-from kapitsa_ros.analysis.reduction import inverse, ordinary
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
+from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.line_fit import inverse, ordinary
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
+from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical import Evidence
-    from kapitsa_ros.analysis.recorded import RecordedRun
-    from kapitsa_ros.analysis.reduction import Line
-    from kapitsa_ros.analysis.run import Run
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.line_fit import LineFit
+    from kapitsa_ros.analysis.recorded_run import RecordedRun
+    from kapitsa_ros.network.run import Run
+    from kapitsa_ros.physics.plant import Plant
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +81,7 @@ def reduce_motions(recorded: Sequence[RecordedRun]) -> tuple[Experiment, Reading
     return _reduce(plant, evidence.timed, lambda: evidence), evidence.timed
 
 
-def plant_of(runs: Sequence[Run]) -> PlantParameters:
+def plant_of(runs: Sequence[Run]) -> Plant:
     """Return the plant of all runs.
 
     Raises
@@ -97,15 +98,15 @@ def plant_of(runs: Sequence[Run]) -> PlantParameters:
     return plant
 
 
-def ideal_rod(plant: PlantParameters) -> PlantParameters:
+def ideal_rod(plant: Plant) -> Plant:
     """Return the rod the report's theory speaks of: same length, stroke and gravity, nothing else."""
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
 
 
-def _reduce(plant: PlantParameters, readings: Readings, evidence: Callable[[], Evidence]) -> Experiment:
+def _reduce(plant: Plant, readings: Readings, evidence: Callable[[], Evidence]) -> Experiment:
     try:
         best = direct_fit(evidence(), Ruler(amplitude=plant.amplitude), plant.gravity)
-    except AnalysisError:
+    except (AnalysisError, RunError):
         best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
@@ -118,7 +119,7 @@ def _reduce(plant: PlantParameters, readings: Readings, evidence: Callable[[], E
     )
 
 
-def _fit(fit: Callable[[Readings], Line], readings: Readings) -> float | None:
+def _fit(fit: Callable[[Readings], LineFit], readings: Readings) -> float | None:
     try:
         return fit(readings).omega_crit
     except TableError:

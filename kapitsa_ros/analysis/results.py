@@ -8,7 +8,7 @@ from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.experiment import Experiment
-    from kapitsa_ros.analysis.run import Run
+    from kapitsa_ros.network.run import Run
 
 
 def run_values(run: Run) -> dict[str, Any]:

@@ -9,14 +9,14 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.instruments.marks import distinct_images
+from kapitsa_ros.instruments.strobe_images import distinct_images
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.instruments.settings import StrobeSettings
-    from kapitsa_ros.physics.samples import Samples
+    from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 AFTERIMAGE = 0.12
 """Seconds for which an eye still sees what a flash showed it."""
@@ -65,7 +65,7 @@ class Lamp:
             raise InstrumentError(f'the dial of the lamp goes from 0 to {self._settings.dial_end / RPM:.0f} a minute')
         self.flash_rate = dial / (1.0 + self._settings.dial_error)
 
-    def shine(self, start: float, pivot: Samples) -> None:
+    def shine(self, start: float, pivot: SampledMotion) -> None:
         """Flash during one communication step.
 
         Parameters

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.instruments.eye import Eye
-from kapitsa_ros.instruments.thumb import Thumb, display, draw_thumb
+from kapitsa_ros.instruments.persistence_filter import PersistenceFilter
+from kapitsa_ros.instruments.press_errors import PressErrors, display, draw_press_errors
 
 if TYPE_CHECKING:
-    from kapitsa_ros.instruments.settings import StopwatchSettings
-    from kapitsa_ros.physics.samples import Samples
+    from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 _STILL = 1e-6  # rad; a pendulum in somebody's hand, stuck, or at its stop moves less than this
 _LYING = 1.0  # rad; what is still beyond this has fallen over
@@ -68,7 +68,7 @@ class Stopwatch:
         self._held = False
         self._timing: _Timing | None = None
 
-    def observe(self, start: float, motion: Samples) -> StopwatchReading | None:
+    def observe(self, start: float, motion: SampledMotion) -> StopwatchReading | None:
         """Watch the pendulum for one communication step.
 
         Parameters
@@ -91,7 +91,7 @@ class Stopwatch:
             self._held = still
         elif self._held and not still:
             self._held = False
-            thumb = draw_thumb(self._settings, self._rng)
+            thumb = draw_press_errors(self._settings, self._rng)
             self._timing = _Timing(self._settings, self._swings, thumb, start, motion)
         self._end = start + motion.duration
         self._angle = float(motion.position[-1])
@@ -104,13 +104,15 @@ class Stopwatch:
 class _Timing:
     """One release, from the moment it is let go."""
 
-    def __init__(self, settings: StopwatchSettings, swings: int, thumb: Thumb, start: float, motion: Samples) -> None:
+    def __init__(
+        self, settings: StopwatchSettings, swings: int, thumb: PressErrors, start: float, motion: SampledMotion
+    ) -> None:
         self._settings = settings
         self._swings = swings
         self._thumb = thumb
         self._last_passage = 2 + 2 * max(swings + thumb.miscount, 1)
         angle = float(motion.position[0])
-        self._eye = Eye(settings.persistence, motion.period, angle)
+        self._eye = PersistenceFilter(settings.persistence, motion.period, angle)
         self._seen = angle
         self._seen_at = start - self._eye.latency
         self._passages = 0
@@ -119,7 +121,7 @@ class _Timing:
         self._pressed = math.nan
         self._ending = math.inf
 
-    def follow(self, start: float, motion: Samples, *, still: bool) -> StopwatchReading | None:
+    def follow(self, start: float, motion: SampledMotion, *, still: bool) -> StopwatchReading | None:
         """Follow the swing for one block and tell what the release came to, once that is known."""
         if not math.isclose(motion.period, self._eye.period, rel_tol=1e-9):
             self._eye = self._eye.resampled(self._settings.persistence, motion.period)

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.instruments.procedure import Finding, raise_until_doubled, read_dial
-from kapitsa_ros.instruments.shaft import SteadyShaft
+from kapitsa_ros.instruments.dial_search import SearchResult, raise_until_doubled, read_dial
+from kapitsa_ros.instruments.shaft_speed import SteadySpeedDetector
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from kapitsa_ros.instruments.settings import StrobeSettings
-    from kapitsa_ros.physics.samples import Samples
+    from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,11 +40,11 @@ class Strobe:
     def __init__(self, settings: StrobeSettings, rng: np.random.Generator) -> None:
         self._settings = settings
         self._rng = rng
-        self._shaft = SteadyShaft(settings.drift_limit)
+        self._shaft = SteadySpeedDetector(settings.drift_limit)
         self._since: float | None = None
-        self._finding: Finding | None = None
+        self._finding: SearchResult | None = None
 
-    def observe(self, start: float, pivot: Samples) -> StrobeReading | None:
+    def observe(self, start: float, pivot: SampledMotion) -> StrobeReading | None:
         """Watch the mark for one communication step.
 
         Parameters

@@ -6,19 +6,21 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
-from kapitsa_ros.analysis.run import Run, RunBuilder
-from kapitsa_ros.nodes.settings import SettingsInbox
-from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage
-from kapitsa_ros.physics.steps import ends_session
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
-from kapitsa_ros.recording.wire import stamp_of
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.cdr import stamp_of
+from kapitsa_ros.network.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
+from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.step_id import ends_session
+from kapitsa_ros.ros.dataflow_node import LOOK_PERIOD
+from kapitsa_ros.ros.settings_subscriber import SettingsSubscriber
+from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.steps import Tick
+    from kapitsa_ros.network.run import Run
+    from kapitsa_ros.network.step_id import StepId
 
 
-class AnalyserNode(JoinedStage):
+class AnalyserNode(StepNode):
     """Executable `analyser`. Its result for a step acknowledges that step."""
 
     def __init__(self) -> None:
@@ -28,7 +30,7 @@ class AnalyserNode(JoinedStage):
             writes=(topics.RESULT,),
             follows=(topics.COMMAND,),
         )
-        self._settings = SettingsInbox(self)
+        self._settings = SettingsSubscriber(self)
         self._runs: list[Run] = []
         self._builder: RunBuilder
 
@@ -36,20 +38,20 @@ class AnalyserNode(JoinedStage):
         """Wait for the settings, without which a run has no meaning."""
         return super().advance() if self._settings.complete else LOOK_PERIOD
 
-    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
         """Take in one step."""
-        if tick.step == 0:
-            self._builder = RunBuilder(tick.run, self._settings.parsed())
+        if step_id.step == 0:
+            self._builder = RunBuilder(step_id.run, self._settings.parsed())
         self._builder.add(
             decode_command(messages[topics.COMMAND.name]),
             decode_strobe(messages[topics.STROBE.name]),
             decode_stopwatch(messages[topics.STOPWATCH.name]),
         )
-        self.emit_silence(topics.RESULT, tick, stamp_of(messages[topics.STROBE.name]))
+        self.emit_silence(topics.RESULT, step_id, stamp_of(messages[topics.STROBE.name]))
 
-    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
+    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
         """Say what the run came to; at the end of the session, what all runs came to together."""
-        if ends_session(tick):
+        if ends_session(step_id):
             results = {'experiment': experiment_values(reduce_runs(self._runs))} if self._runs else {}
         else:
             run = self._builder.build(complete=True)
@@ -57,7 +59,7 @@ class AnalyserNode(JoinedStage):
             results = {f'run {run.number}': run_values(run)}
         for name, values in results.items():
             self.get_logger().info(f'{name}: {", ".join(f"{key} {_short(value)}" for key, value in values.items())}')
-        self.emit(topics.RESULT, encode_result(stamp_ns, tick, results))
+        self.emit(topics.RESULT, encode_result(stamp_ns, step_id, results))
 
 
 def _short(value: Any) -> str:

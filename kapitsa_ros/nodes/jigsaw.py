@@ -10,25 +10,27 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.nodes.delay import Delay
-from kapitsa_ros.nodes.errors import NodeError, SettingError
-from kapitsa_ros.nodes.parameters import declare, declare_plant, settings_text, versions
-from kapitsa_ros.nodes.progress import progress_message
-from kapitsa_ros.nodes.stage import IDLE, Stage
-from kapitsa_ros.nodes.time_control import TimeControl
-from kapitsa_ros.nodes.view import REPORT_PERIOD, ClockFace, Throttle
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.messages import decode_command, encode_samples
+from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.pivot import MAX_SPEED, Jigsaw
-from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_command, encode_samples
+from kapitsa_ros.physics.jigsaw import MAX_SPEED, Jigsaw
+from kapitsa_ros.ros.clock_publisher import ClockPublisher
+from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
+from kapitsa_ros.ros.diagnostics import progress_message
+from kapitsa_ros.ros.errors import NodeError, SettingError
+from kapitsa_ros.ros.parameters import declare, declare_plant, settings_text, versions
+from kapitsa_ros.ros.stall_warning import StallWarning
+from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
+from kapitsa_ros.ros.time_control import TimeControl
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
-    from kapitsa_ros.instruments.operator import Command
+    from kapitsa_ros.operator.command import Command
 
 
-class JigsawNode(Stage):
+class JigsawNode(DataflowNode):
     """Executable `jigsaw`."""
 
     def __init__(self) -> None:
@@ -55,13 +57,13 @@ class JigsawNode(Stage):
         }
         self._time = TimeControl(self, next_step=lambda: self._next, reset=self._reset)
         self._jigsaw = self._at_rest()
-        self._commands: deque[tuple[Tick, Command]] = deque()
-        self._acknowledged: dict[str, Tick | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
-        self._next = Tick(1, 0)
-        self._delay = Delay(self)
+        self._commands: deque[tuple[StepId, Command]] = deque()
+        self._acknowledged: dict[str, StepId | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
+        self._next = StepId(1, 0)
+        self._delay = StallWarning(self)
         self._cut_short = 0
         """The last run that a reset has ended; its operator may be ahead of the news."""
-        self._clock_face = ClockFace(self)
+        self._clock_face = ClockPublisher(self)
         self._report = Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
@@ -75,20 +77,20 @@ class JigsawNode(Stage):
             )
         )
 
-    def accept(self, topic: str, tick: Tick, raw: bytes) -> bool:
+    def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:
         """Queue a command, or note an acknowledgement."""
         if topic != topics.COMMAND.name:
-            self._acknowledged[topic] = tick
+            self._acknowledged[topic] = step_id
             return True
-        if tick.run == self._cut_short:
+        if step_id.run == self._cut_short:
             return True
-        if (tick.run, tick.step) < (self._next.run, self._next.step + len(self._commands)):
+        if (step_id.run, step_id.step) < (self._next.run, self._next.step + len(self._commands)):
             return False
         command = decode_command(raw)
         if not 0 <= command.speed <= self._motion['max_speed']:
             fastest = self._motion['max_speed'] / RPM
             raise NodeError(f'a command wants {command.speed / RPM:.0f} RPM: this jigsaw does 0 to {fastest:.0f} RPM')
-        self._commands.append((tick, command))
+        self._commands.append((step_id, command))
         return True
 
     def advance(self) -> float:
@@ -110,10 +112,10 @@ class JigsawNode(Stage):
     def _may_go(self) -> bool:
         if self._time.stands_still or self._awaited():
             return False
-        tick = self._commands[0][0]
-        if (tick.run, tick.step) != (self._next.run, self._next.step):
+        step_id = self._commands[0][0]
+        if (step_id.run, step_id.step) != (self._next.run, self._next.step):
             raise NodeError(
-                f'command for {tick} where {self._next} is next: operator and jigsaw need the same in_flight'
+                f'command for {step_id} where {self._next} is next: operator and jigsaw need the same in_flight'
             )
         return True
 
@@ -122,7 +124,7 @@ class JigsawNode(Stage):
         late = [topic for topic, ack in self._acknowledged.items() if not self._has_caught_up(ack)]
         return late if self._commands else [topics.COMMAND.name, *late]
 
-    def _has_caught_up(self, ack: Tick | None) -> bool:
+    def _has_caught_up(self, ack: StepId | None) -> bool:
         """Whether a reader is close enough behind, and through with the run before."""
         run, step = self._next.run, self._next.step
         if step == 0:
@@ -133,25 +135,25 @@ class JigsawNode(Stage):
     def _reset(self) -> None:
         self._commands.clear()
         self._cut_short = self._next.run
-        self._end_run(Tick(self._next.run, self._next.step, end=True))
+        self._end_run(StepId(self._next.run, self._next.step, end=True))
 
-    def _emit_step(self, tick: Tick, command: Command) -> None:
-        if tick.end:
-            self._end_run(tick)
+    def _emit_step(self, step_id: StepId, command: Command) -> None:
+        if step_id.end:
+            self._end_run(step_id)
             return
-        stamp = self._steps.start_ns(tick)
+        stamp = self._steps.start_ns(step_id)
         samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
-        self.emit(topics.PIVOT, encode_samples(stamp, tick, 'pivot', samples))
-        self._next = Tick(tick.run, tick.step + 1)
-        self._tell(tick, stamp)
+        self.emit(topics.PIVOT, encode_samples(stamp, step_id, 'pivot', samples))
+        self._next = StepId(step_id.run, step_id.step + 1)
+        self._tell(step_id, stamp)
 
-    def _end_run(self, tick: Tick) -> None:
-        stamp = self._steps.start_ns(tick)
-        self.emit_silence(topics.PIVOT, tick, stamp)
+    def _end_run(self, step_id: StepId) -> None:
+        stamp = self._steps.start_ns(step_id)
+        self.emit_silence(topics.PIVOT, step_id, stamp)
         self._jigsaw = self._at_rest()
-        self._next = Tick(tick.run + 1, 0)
-        self._tell(tick, stamp)
-        if ends_session(tick):
+        self._next = StepId(step_id.run + 1, 0)
+        self._tell(step_id, stamp)
+        if ends_session(step_id):
             self.finish()
 
     def _at_rest(self) -> Jigsaw:
@@ -160,12 +162,12 @@ class JigsawNode(Stage):
         except PhysicsError as error:
             raise SettingError(f'parameter {error}') from error
 
-    def _tell(self, tick: Tick, stamp: int) -> None:
+    def _tell(self, step_id: StepId, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
         self._time.count(stamp / SECOND)
         self._clock_face.show(stamp)
-        if self._report.due() or tick.end:
-            self.diagnostics.publish(progress_message('jigsaw', tick, stamp, self._time.pace))
+        if self._report.due() or step_id.end:
+            self.diagnostics.publish(progress_message('jigsaw', step_id, stamp, self._time.pace))
 
 
 create = JigsawNode

@@ -13,27 +13,30 @@ from typing import TYPE_CHECKING
 
 from std_msgs.msg import Float64
 
-from kapitsa_ros.instruments.errors import ProtocolError, RequestError
-from kapitsa_ros.instruments.manual import ManualOperator, Requests
-from kapitsa_ros.instruments.operator import Command, Operator
-from kapitsa_ros.instruments.protocol import MANUAL, load_protocol
-from kapitsa_ros.nodes.errors import SettingError
-from kapitsa_ros.nodes.parameters import declare
-from kapitsa_ros.nodes.stage import JoinedStage
-from kapitsa_ros.physics.pivot import MAX_SPEED
-from kapitsa_ros.physics.steps import SECOND, StepClock, Tick, ends_session
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_stopwatch, decode_strobe, encode_command
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.messages import decode_stopwatch, decode_strobe, encode_command
+from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_id import StepId, ends_session
+from kapitsa_ros.operator.command import Command
+from kapitsa_ros.operator.errors import ProtocolError, RequestError
+from kapitsa_ros.operator.manual import ManualOperator
+from kapitsa_ros.operator.protocol import MANUAL, load_protocol
+from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.operator.scripted import ScriptedOperator
+from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-Begin = Callable[[], Operator | ManualOperator]
+Begin = Callable[[], ScriptedOperator | ManualOperator]
 """Begins a run."""
 
 
-class OperatorNode(JoinedStage):
+class OperatorNode(StepNode):
     """Executable `operator`."""
 
     def __init__(self) -> None:
@@ -51,8 +54,8 @@ class OperatorNode(JoinedStage):
             self._runs = self._carry_out(name)
         self._begin: Begin | None = None
         """Of the run under way; None: nobody was there yet, or no run is left."""
-        self._run: Operator | ManualOperator
-        self._end: Tick | None = None
+        self._run: ScriptedOperator | ManualOperator
+        self._end: StepId | None = None
         """Where the run under way was told to end."""
 
     def advance(self) -> float:
@@ -61,36 +64,36 @@ class OperatorNode(JoinedStage):
             self._open_run(1, next(self._runs))
         return super().advance()
 
-    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
         """Answer the readings of one step, unless the run has been ended already."""
         if self._end is None:
             command = self._run.command(
                 decode_strobe(messages[topics.STROBE.name]), decode_stopwatch(messages[topics.STOPWATCH.name])
             )
-            self._say(Tick(tick.run, tick.step + self._in_flight, end=command.end), command)
+            self._say(StepId(step_id.run, step_id.step + self._in_flight, end=command.end), command)
 
-    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
+    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
         """Open the next run: the same again, if this one ended elsewhere than it was told to."""
-        if not ends_session(tick):
-            as_told, self._end = tick == self._end, None
-            self._open_run(tick.run + 1, next(self._runs, None) if as_told else self._begin)
+        if not ends_session(step_id):
+            as_told, self._end = step_id == self._end, None
+            self._open_run(step_id.run + 1, next(self._runs, None) if as_told else self._begin)
 
     def _open_run(self, run: int, begin: Begin | None) -> None:
         """Say what holds until the first reading can be answered; or, after the last run, that none follows."""
         self._begin = begin
         if begin is None:
-            self._say(Tick(run, 0, end=True), Command(0.0, None, end=True))
+            self._say(StepId(run, 0, end=True), Command(0.0, None, end=True))
             return
         self._run = begin()
         for step in range(self._in_flight):
-            self._say(Tick(run, step), self._run.opening())
+            self._say(StepId(run, step), self._run.opening())
 
     def _carry_out(self, name: str) -> Iterator[Begin]:
         try:
             protocol = load_protocol(name)
         except ProtocolError as error:
             raise SettingError(f'parameter protocol: {error}') from error
-        return iter([partial(Operator, protocol, speed, self._steps.step) for speed in protocol.speeds])
+        return iter([partial(ScriptedOperator, protocol, speed, self._steps.step) for speed in protocol.speeds])
 
     def _heed(self, requests: Requests) -> Requests:
         """Take requests from their topics; those that cannot be are counted, and said once in a while."""
@@ -108,10 +111,10 @@ class OperatorNode(JoinedStage):
         self.create_subscription(Float64, 'operator/release', taker(requests.ask_release), 10)
         return requests
 
-    def _say(self, tick: Tick, command: Command) -> None:
+    def _say(self, step_id: StepId, command: Command) -> None:
         if command.end:
-            self._end = tick
-        self.emit(topics.COMMAND, encode_command(self._steps.start_ns(tick), tick, command))
+            self._end = step_id
+        self.emit(topics.COMMAND, encode_command(self._steps.start_ns(step_id), step_id, command))
 
 
 create = OperatorNode

@@ -5,22 +5,23 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.nodes.errors import NodeError, SettingError
-from kapitsa_ros.nodes.parameters import declare
-from kapitsa_ros.nodes.settings import SettingsInbox
-from kapitsa_ros.nodes.stage import LOOK_PERIOD, JoinedStage
-from kapitsa_ros.recording import topics
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.cdr import stamp_of
+from kapitsa_ros.network.messages import decode_command
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.messages import decode_command
 from kapitsa_ros.recording.naming import run_name
-from kapitsa_ros.recording.wire import stamp_of
 from kapitsa_ros.recording.writer import STORAGES, RunWriter
+from kapitsa_ros.ros.dataflow_node import LOOK_PERIOD
+from kapitsa_ros.ros.errors import NodeError, SettingError
+from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.settings_subscriber import SettingsSubscriber
+from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.steps import Tick
+    from kapitsa_ros.network.step_id import StepId
 
 
-class RecorderNode(JoinedStage):
+class RecorderNode(StepNode):
     """Executable `recorder`."""
 
     def __init__(self) -> None:
@@ -30,28 +31,28 @@ class RecorderNode(JoinedStage):
         self._steps_a_chunk = declare(self, 'steps_a_chunk', 5, 'steps that a crash may cost', 1, 1000)
         if self._storage not in STORAGES:
             raise SettingError(f'parameter storage is {self._storage!r}: choose {" or ".join(STORAGES)}')
-        self._settings = SettingsInbox(self)
+        self._settings = SettingsSubscriber(self)
         self._writer: RunWriter | None = None
 
     def advance(self) -> float:
         """Wait for the settings, which open a bag."""
         return super().advance() if self._settings.complete else LOOK_PERIOD
 
-    def work(self, tick: Tick, messages: dict[str, bytes]) -> None:
+    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
         """Write one step."""
         stamp = stamp_of(messages[topics.PIVOT.name])
         try:
             if self._writer is None:
                 speed = decode_command(messages[topics.COMMAND.name]).speed
-                path = self._bags / run_name(tick.run, speed)
+                path = self._bags / run_name(step_id.run, speed)
                 self._writer = RunWriter(path, self._storage, self._settings.texts, self._steps_a_chunk)
             self._writer.write_step(stamp, messages)
         except BagError as error:
             self._give_up()
             raise NodeError(str(error)) from error
-        self.emit_silence(topics.WRITTEN, tick, stamp)
+        self.emit_silence(topics.WRITTEN, step_id, stamp)
 
-    def end_run(self, tick: Tick, stamp_ns: int, messages: dict[str, bytes]) -> None:
+    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:
         """Write the end of the run and finish its bag."""
         if self._writer is not None:
             try:
@@ -62,7 +63,7 @@ class RecorderNode(JoinedStage):
                 raise NodeError(str(error)) from error
             self.get_logger().info(f'{self._writer.path} is written')
             self._writer = None
-        super().end_run(tick, stamp_ns, messages)
+        super().end_run(step_id, stamp_ns, messages)
 
     def close(self) -> None:
         """Finish a bag whose run did not come to its end: it can be read, and says so."""

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.instruments.settings import StopwatchSettings
 from kapitsa_ros.instruments.stopwatch import Stopwatch
-from kapitsa_ros.nodes.instrument import InstrumentStage
-from kapitsa_ros.nodes.parameters import declare, declare_settings, settings_text
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import encode_stopwatch
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.messages import encode_stopwatch
+from kapitsa_ros.ros.instrument_node import InstrumentNode
+from kapitsa_ros.ros.parameters import declare, declare_settings, settings_text
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
 
-class StopwatchNode(InstrumentStage):
+class StopwatchNode(InstrumentNode):
     """Executable `stopwatch`."""
 
     encode = staticmethod(encode_stopwatch)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.instruments.settings import StrobeSettings
 from kapitsa_ros.instruments.strobe import Strobe
-from kapitsa_ros.nodes.instrument import InstrumentStage
-from kapitsa_ros.nodes.parameters import declare_settings, settings_text
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import encode_strobe
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.messages import encode_strobe
+from kapitsa_ros.ros.instrument_node import InstrumentNode
+from kapitsa_ros.ros.parameters import declare_settings, settings_text
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
 
-class StrobeNode(InstrumentStage):
+class StrobeNode(InstrumentNode):
     """Executable `strobe`."""
 
     encode = staticmethod(encode_strobe)

@@ -1,13 +1,15 @@
-"""Errors of the physics room."""
+"""Errors of the physics."""
+
+from kapitsa_ros.errors import KapitsaError
 
 
-class PhysicsError(ValueError):
-    """A quantity the physics has no answer for; the message names it and the mend."""
+class PhysicsError(KapitsaError, ValueError):
+    """A question to which the physics has no answer; the message names the quantity and how to mend it."""
 
 
 class ParameterError(PhysicsError):
     """A parameter is not finite or out of its range."""
 
 
-class PivotError(PhysicsError):
-    """A record of the pivot's motion cannot be used: gaps, reversed time, wrong sizes, or too coarse."""
+class MotionError(PhysicsError):
+    """A sampled motion cannot be used: gaps, reversed time, unequal sizes, or samples too far apart."""

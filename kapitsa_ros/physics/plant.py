@@ -1,151 +1,91 @@
-"""The pendulum as the network sees it: pivot motion in, angle out, a block at a time."""
+"""What the plant is made of, and the presets that are shipped."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
+import yaml
 
-from kapitsa_ros.physics.errors import ParameterError, PhysicsError, PivotError
-from kapitsa_ros.physics.kernels import layout, sampled
-from kapitsa_ros.physics.kernels.hermite import STENCIL, stencil_weights
-from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from collections.abc import Mapping
+
+PRESETS = ('ideal', 'bearing', 'as_built_1997')
+G_STANDARD = 9.80665
 
 
-class Pendulum:
-    """A rod on a shaken pivot, held at upright until told otherwise.
+@dataclass(frozen=True, kw_only=True)
+class Plant:
+    """The rod, its pivot and the stroke that shakes it (SI units).
 
-    θ″ = k (g + y″) sin θ − c θ′ − f sgn θ′ (report, eqs. 1, 17 and 19), with play and wear at the pivot where the
-    plant has them.
-
-    Parameters
-    ----------
-    plant
-        What it is made of.
-    stop
-        |θ| at which the rod has fallen over and lies, rad.
-    linear
-        Take θ for sin θ (report, eq. 2).
+    The equation of motion is θ″ = k (g + y″) sin θ − c θ′ − f sgn θ′ with k = κ·3/(2L) (report, eq. 1 with friction of
+    eqs. 17 and 19).
 
     Raises
     ------
     ParameterError
-        The stop is not an angle above 0.
+        A value is not finite or out of its range.
 
     """
 
-    def __init__(self, plant: PlantParameters, *, stop: float = math.pi / 2, linear: bool = False) -> None:
-        if not 0 < stop < math.inf:
-            raise ParameterError(f'stop is {stop} rad: give a finite angle above 0')
-        self._stop = stop
-        self._constants = layout.constants(plant, stop=stop, linear=linear)
-        self._clearance = plant.clearance
-        self._state = layout.state_at_rest(0.0, plant.clearance)
+    length: float = 0.24765
+    """L, m: a uniform rod (Table 1: 9.75 in)."""
+    amplitude: float = 0.0127
+    """λ, m: half the stroke of the pivot (Table 1: 0.5 in)."""
+    gravity: float = G_STANDARD
+    """g, m/s²."""
+    damping: float = 0.0
+    """c = 3μ/(mL²), 1/s."""
+    coulomb: float = 0.0
+    """f = 3φ/(mL²), rad/s²."""
+    clearance: float = 0.0
+    """D, m: diametral play between hole and bolt."""
+    restitution: float = 0.0
+    """e, of the impacts within the play."""
+    inertia_factor: float = 1.0
+    """κ: 1 for the ideal rod."""
+    wear: float = 0.0
+    """Growth of the clearance with the energy the impacts lose, m per J/kg of the relative motion (½(1 − e²)v²)."""
+    failure_clearance: float = 0.01
+    """m: play at which the hole has worn through and the rod comes off, as in 1997."""
 
-    @property
-    def angle(self) -> float:
-        """θ from upright, rad."""
-        return float(self._state[layout.ANGLE])
-
-    @property
-    def rate(self) -> float:
-        """θ′, rad/s."""
-        return float(self._state[layout.RATE])
-
-    @property
-    def held(self) -> bool:
-        """The catch holds the rod (it may be waiting for the bottom of the stroke)."""
-        return bool(self._state[layout.MODE] == layout.HELD)
-
-    @property
-    def stuck(self) -> bool:
-        """Friction holds the rod."""
-        return bool(self._state[layout.MODE] == layout.STUCK)
-
-    @property
-    def fell(self) -> bool:
-        """The rod lies at the stop, or has come off its worn pivot."""
-        return bool(self._state[layout.MODE] >= layout.FALLEN)
-
-    @property
-    def failed(self) -> bool:
-        """The hole has worn through."""
-        return bool(self._state[layout.MODE] == layout.FAILED)
-
-    @property
-    def clearance(self) -> float:
-        """D with the wear so far, m."""
-        return float(self._state[layout.CLEARANCE])
-
-    @property
-    def impact_energy(self) -> float:
-        """Energy that impacts have taken so far, J/kg of the relative motion."""
-        return float(self._state[layout.IMPACT_ENERGY])
-
-    def hold(self, angle: float) -> None:
-        """Put the rod at an angle and hold it there; wear stays.
-
-        Raises
-        ------
-        ParameterError
-            The angle is not short of the stop.
-        PhysicsError
-            The hole has worn through.
-
-        """
-        if not abs(angle) < self._stop:
-            raise ParameterError(f'angle is {angle} rad: it must lie within the stop (±{self._stop:.4g} rad)')
-        if self.failed:
-            raise PhysicsError('the pivot hole has worn through: begin with a new pendulum')
-        energy = self.impact_energy
-        self._state = layout.state_at_rest(angle, self.clearance)
-        self._state[layout.IMPACT_ENERGY] = energy
-
-    def release(self) -> None:
-        """Let go at the first bottom of the stroke from the next sample on, or at once if the pivot rests."""
-        if self.held:
-            self._state[layout.RELEASING] = 1.0
-
-    def advance(self, pivot: Samples) -> Samples:
-        """Carry the rod through one block of pivot motion.
-
-        Returns
-        -------
-        Samples
-            θ, θ′ and θ″ at the same times.
-
-        Raises
-        ------
-        PivotError
-            The samples lie too far apart for the motion between them, the pivot's or the rod's.
-        PhysicsError
-            Impacts or reversals come too thick to be told apart.
-
-        """
-        count = pivot.position.size
-        state = self._state.copy()
-        motion = np.empty((3, count))
-        outcome = sampled.advance_block(
-            stencil_weights(min(STENCIL, count)),
-            pivot.period,
-            np.stack((pivot.position, pivot.rate, pivot.acceleration)),
-            self._constants,
-            state,
-            motion,
-        )
-        if outcome == sampled.TOO_COARSE:
-            raise PivotError(
-                f'pivot samples {pivot.period:.3g} s apart are too coarse for its motion: sample it more often',
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if not math.isfinite(value):
+                raise ParameterError(f'{name} is {value}: give a finite number')
+        for name in ('length', 'amplitude', 'gravity', 'inertia_factor', 'failure_clearance'):
+            if getattr(self, name) <= 0:
+                raise ParameterError(f'{name} is {getattr(self, name)}: it must be above 0')
+        for name in ('damping', 'coulomb', 'clearance', 'wear'):
+            if getattr(self, name) < 0:
+                raise ParameterError(f'{name} is {getattr(self, name)}: it must not be negative')
+        if self.restitution > 1 or self.restitution < 0:
+            raise ParameterError(f'restitution is {self.restitution}: it must lie in [0, 1]')
+        if self.clearance >= self.failure_clearance:
+            raise ParameterError(
+                f'clearance is {self.clearance} m: it must be below failure_clearance ({self.failure_clearance} m)',
             )
-        if outcome == sampled.TOO_THICK:
-            raise PhysicsError('impacts or reversals at the pivot come too thick to be told apart: reduce restitution')
-        if outcome == sampled.TOO_WILD:
-            raise PivotError(
-                f'pivot samples {pivot.period:.3g} s apart are too coarse for so quick a rod: sample it more often',
-            )
-        self._state = state
-        return Samples(period=pivot.period, position=motion[0], rate=motion[1], acceleration=motion[2])
+
+    @property
+    def k(self) -> float:
+        """m·l_c/I, 1/m: κ·3/(2L)."""
+        return self.inertia_factor * 1.5 / self.length
+
+
+def load_preset(name: str, overrides: Mapping[str, float] | None = None) -> Plant:
+    """Read a preset from config/presets and replace the given parameters.
+
+    Raises
+    ------
+    ParameterError
+        There is no such preset, or a value is out of its range.
+
+    """
+    if name not in PRESETS:
+        raise ParameterError(f'unknown preset {name!r}: choose one of {", ".join(PRESETS)}')
+    document = yaml.safe_load(resource_path('config', 'presets', f'{name}.yaml').read_text(encoding='utf-8'))
+    return Plant(**{**document['/**']['ros__parameters'], **(overrides or {})})

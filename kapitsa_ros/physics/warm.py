@@ -1,33 +1,13 @@
-"""Compile every kernel now, so that no run waits for it."""
+"""The former name of `kapitsa_ros.physics.compile_kernels`."""
 
-from __future__ import annotations
+import warnings
 
-import numpy as np
+from kapitsa_ros.physics.compile_kernels import compile_kernels
 
-from kapitsa_ros.physics import theory
-from kapitsa_ros.physics.bending import Bending, bend
-from kapitsa_ros.physics.ensemble import release_many
-from kapitsa_ros.physics.kernels.verlet import verlet
-from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.physics.pivot import Jigsaw
-from kapitsa_ros.physics.plant import Pendulum
-from kapitsa_ros.physics.simulation import Release
-
-SPEED = 250.0
-
-
-def warm() -> None:
-    """Compile the kernels and leave them in numba's cache on disk."""
-    plant = PlantParameters()
-    Pendulum(plant).advance(Jigsaw(amplitude=plant.amplitude).advance(100.0, 0.1, 100))
-    release = Release(plant=plant, speed=SPEED, angle=0.1)
-    release.strobed(1)
-    bend(release, Bending(frequency=500.0), 0.01)
-    release_many(plant, speed=SPEED, angle=0.1, duration=0.01)
-    theory.growth_rate(plant, SPEED)
-    theory.stability_map(plant, [SPEED], [plant.amplitude])
-    verlet(1.0, 1.0, SPEED, 0.0, 0.1, 1, np.empty((2, 2)))
-
+warnings.warn(
+    'kapitsa_ros.physics.warm is now kapitsa_ros.physics.compile_kernels', DeprecationWarning, stacklevel=2
+)
+warm = compile_kernels
 
 if __name__ == '__main__':
-    warm()
+    compile_kernels()

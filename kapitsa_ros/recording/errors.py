@@ -1,9 +1,7 @@
-"""Errors of the recording room."""
+"""Errors of recorded runs."""
+
+from kapitsa_ros.errors import KapitsaError
 
 
-class WireError(ValueError):
-    """A message is not what its topic promises."""
-
-
-class BagError(Exception):
-    """A bag cannot be written or read; the message names it and the mend."""
+class BagError(KapitsaError):
+    """A bag cannot be written or read; the message names it and how to mend it."""

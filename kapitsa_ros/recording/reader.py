@@ -14,20 +14,22 @@ import numpy as np
 from backports import zstd
 from rosbags.rosbag2 import Reader, ReaderError
 
-from kapitsa_ros.analysis.recorded import RecordedRun
-from kapitsa_ros.analysis.run import SETTINGS_OF, Run, RunBuilder
-from kapitsa_ros.physics.steps import SECOND
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.errors import BagError, WireError
-from kapitsa_ros.recording.messages import decode_command, decode_samples, decode_stopwatch, decode_strobe, decode_text
-from kapitsa_ros.recording.wire import read_tick, stamp_of
+from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.cdr import read_step_id, stamp_of
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.messages import decode_command, decode_samples, decode_stopwatch, decode_strobe, decode_text
+from kapitsa_ros.network.run import SETTINGS_OF, Run
+from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.recording.errors import BagError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-    from kapitsa_ros.physics.samples import Samples
-    from kapitsa_ros.physics.steps import Tick
+    from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 _DAMAGE = (
     ReaderError, OSError, ArithmeticError, LookupError, ValueError, MemoryError, TypeError, AttributeError,
@@ -129,8 +131,8 @@ class RunBag:
             if not steps:
                 raise BagError(f'{self.path} holds no step of a run')
             builder = RunBuilder(steps[0][0].run, settings)
-            for tick, messages in steps:
-                if not tick.end:
+            for step_id, messages in steps:
+                if not step_id.end:
                     builder.add(
                         decode_command(messages[topics.COMMAND.name]),
                         decode_strobe(messages[topics.STROBE.name]),
@@ -144,7 +146,7 @@ class RunBag:
     def complete(self) -> bool:
         """Whether the run came to its end."""
         try:
-            return any(read_tick(raw).end for _, _, raw in self.raw(topics.STROBE.name))
+            return any(read_step_id(raw).end for _, _, raw in self.raw(topics.STROBE.name))
         except WireError as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 
@@ -161,7 +163,7 @@ class RunBag:
         stamps, angles, rates = [], [], []
         try:
             for _, _, raw in self.raw(topics.MOTION.name):
-                if read_tick(raw).end:
+                if read_step_id(raw).end:
                     continue
                 samples = decode_samples(raw)
                 times = np.arange(samples.position.size) * round(samples.period * SECOND)
@@ -188,23 +190,23 @@ class RunBag:
         seconds = (self.motion.stamps_ns - self.motion.stamps_ns[:1]) / SECOND
         return RecordedRun(name=self.path.name, run=self.run, time=seconds, angle=self.motion.angle)
 
-    def pivot(self) -> Iterator[tuple[Tick, Samples]]:
+    def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""
         for _, _, raw in self.raw(topics.PIVOT.name):
-            if not read_tick(raw).end:
-                yield read_tick(raw), decode_samples(raw)
+            if not read_step_id(raw).end:
+                yield read_step_id(raw), decode_samples(raw)
 
-    def _steps(self) -> Iterator[tuple[Tick, dict[str, bytes]]]:
+    def _steps(self) -> Iterator[tuple[StepId, dict[str, bytes]]]:
         """Yield the commands and readings step by step; at the end, the readings' end."""
         names = [topic.name for topic in _NEEDED]
-        pending: dict[Tick, dict[str, bytes]] = {}
-        last: Tick | None = None
+        pending: dict[StepId, dict[str, bytes]] = {}
+        last: StepId | None = None
         for topic, _, raw in self.raw(*names):
-            tick = read_tick(raw)
-            messages = pending.setdefault(tick, {})
+            step_id = read_step_id(raw)
+            messages = pending.setdefault(step_id, {})
             messages[topic] = raw
-            if len(messages) == len(names) - tick.end:
-                if last is not None and not tick.follows(last):
-                    raise BagError(f'{self.path}: {tick} came after {last}')
-                last = tick
-                yield tick, pending.pop(tick)
+            if len(messages) == len(names) - step_id.end:
+                if last is not None and not step_id.follows(last):
+                    raise BagError(f'{self.path}: {step_id} came after {last}')
+                last = step_id
+                yield step_id, pending.pop(step_id)

@@ -10,9 +10,9 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.typesys import Stores, get_typestore
 
+from kapitsa_ros.network.messages import encode_text
+from kapitsa_ros.network.topics import RECORDED, SETTINGS_TYPE, settings_topic
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.messages import encode_text
-from kapitsa_ros.recording.topics import RECORDED, SETTINGS_TYPE, settings_topic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -6,7 +6,7 @@ import os
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.share import share_path
+from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -38,6 +38,6 @@ def loopback() -> dict[str, str]:
     if asked != 'LOCALHOST':
         return {}
     # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
-    profile = str(share_path('config', 'loopback.xml'))
+    profile = str(resource_path('config', 'loopback.xml'))
     wanted = {'ROS_AUTOMATIC_DISCOVERY_RANGE': asked, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
     return {name: value for name, value in wanted.items() if name not in os.environ}

@@ -1,9 +1,15 @@
 """Errors of the rig."""
 
+from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
 
-class RigError(Exception):
+
+class RigError(KapitsaError):
     """The rig cannot start or go on; the message is the one line its user sees."""
+
+    exit_status = FAILED
 
 
 class UsageError(RigError):
-    """What was asked for cannot be; the message names the option and the mend."""
+    """An argument or option cannot be used; the message names it and how to mend it."""
+
+    exit_status = WRONG_INPUT

@@ -9,26 +9,26 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
-from kapitsa_ros.instruments.manual import Requests
-from kapitsa_ros.instruments.protocol import MANUAL
-from kapitsa_ros.nodes.client import ROLE, TOPICS, Client
-from kapitsa_ros.physics.parameters import PlantParameters, load_preset
-from kapitsa_ros.physics.pivot import MAX_SPEED
-from kapitsa_ros.physics.steps import Tick
-from kapitsa_ros.recording.topics import COMMAND, ROLES
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.topics import COMMAND, ROLES
+from kapitsa_ros.operator.protocol import MANUAL
+from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.physics.plant import Plant, load_preset
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import RigError, UsageError
-from kapitsa_ros.rig.processes import Nodes
-from kapitsa_ros.rig.roster import Setup, parameters
-from kapitsa_ros.rig.segments import no_dead_segments
+from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.setup import Setup, parameters
+from kapitsa_ros.rig.shared_memory import removing_stale_segments
+from kapitsa_ros.ros.rig_client import ROLE, TOPICS, RigClient
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
-    from kapitsa_ros.nodes.client import News
+    from kapitsa_ros.ros.rig_client import News
 
 PATIENCE = 30.0
 """Seconds of wall time for which an answer is waited for."""
@@ -71,7 +71,7 @@ class Rig:
 
     def __init__(  # noqa: PLR0917  # the order is the contract's
         self,
-        preset: str | PlantParameters = 'ideal',
+        preset: str | Plant = 'ideal',
         instruments: str = '1997',
         seed: int = 1,
         rate: float = 0.0,
@@ -92,8 +92,8 @@ class Rig:
         """ROS domain, for nodes that are to join."""
         self.bags: Path
         """Folder of the recorded runs."""
-        self._client: Client
-        self._nodes: Nodes
+        self._client: RigClient
+        self._nodes: NodeGroup
 
     def __enter__(self) -> Self:
         """Start the nodes."""
@@ -101,7 +101,7 @@ class Rig:
             folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
             self.bags = Path(folder)
             setup = Setup(
-                plant=self._preset if isinstance(self._preset, PlantParameters) else load_preset(self._preset),
+                plant=self._preset if isinstance(self._preset, Plant) else load_preset(self._preset),
                 instruments=self._instruments,
                 protocol=self._protocol,
                 seed=self._seed,
@@ -109,13 +109,13 @@ class Rig:
                 bags=self.bags,
             )
             told = parameters(setup)
-            stack.enter_context(no_dead_segments())
+            stack.enter_context(removing_stale_segments())
             self.domain = stack.enter_context(reserved_domain(self._wanted_domain))
             with on_loopback():
-                client = Client(self.domain)
+                client = RigClient(self.domain)
             self._client = stack.enter_context(client)
             expected = [*told['expect'], ROLE]
-            self._nodes = stack.enter_context(Nodes(self._roles, told | {'expect': expected}, self.domain))
+            self._nodes = stack.enter_context(NodeGroup(self._roles, told | {'expect': expected}, self.domain))
             self._stack = stack.pop_all()
         return self
 
@@ -226,13 +226,13 @@ class Rig:
         return (
             commanded is not None
             and commanded.run >= run
-            and all(tick is not None and (tick.run, tick.end) >= (run - 1, True) for tick in seen.values())
+            and all(step_id is not None and (step_id.run, step_id.end) >= (run - 1, True) for step_id in seen.values())
         )
 
-    def _wait_for_step_before(self, next_step: Tick) -> None:
+    def _wait_for_step_before(self, next_step: StepId) -> None:
         def has_come() -> bool | None:
             seen = list(self._client.seen.values())
-            return all(tick is not None and _is_through(tick, next_step) for tick in seen) or None
+            return all(step_id is not None and _is_through(step_id, next_step) for step_id in seen) or None
 
         if next_step.step:
             self._until(has_come, PATIENCE, f'the step before {next_step}')
@@ -245,12 +245,12 @@ class Rig:
         self._until(lambda: self._client.is_heard(topic) or None, PATIENCE, f'somebody who takes {topic}')
         self._client.ask(topic, value)
 
-    def _call(self, service: str) -> Tick:
+    def _call(self, service: str) -> StepId:
         """Call a service; return the number in its answer, or raise what else it says."""
         answer = self._answer(self._served().call(service), f'an answer of jigsaw/{service}')
         if not answer.success:
             raise RigError(f'jigsaw/{service}: {answer.message}')
-        return Tick.parse(answer.message)
+        return StepId.parse(answer.message)
 
     def _set(self, **values: float) -> None:
         for result in self._answer(self._served().set_parameters(**values), 'an answer of the jigsaw').results:
@@ -261,7 +261,7 @@ class Rig:
         self._until(lambda: future.done() or None, PATIENCE, what)
         return future.result()
 
-    def _served(self) -> Client:
+    def _served(self) -> RigClient:
         self._until(lambda: self._client.is_served() or None, PATIENCE, 'a jigsaw that can be called')
         return self._client
 
@@ -282,9 +282,11 @@ class Rig:
             ended = self._nodes.wait(min(left, _LOOK_PERIOD), self._client.news)
 
 
-def _is_through(tick: Tick, next_step: Tick) -> bool:
+def _is_through(step_id: StepId, next_step: StepId) -> bool:
     """Whether a topic that is at a number has said all that comes before a step."""
-    return (tick.run, tick.step) >= (next_step.run, next_step.step - 1) or (tick.end and tick.run == next_step.run)
+    return (step_id.run, step_id.step) >= (next_step.run, next_step.step - 1) or (
+        step_id.end and step_id.run == next_step.run
+    )
 
 
 def _known(topic: str) -> str:

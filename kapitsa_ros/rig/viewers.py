@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
-from kapitsa_ros.recording.topics import RECORDED
-from kapitsa_ros.rig.description import urdf
+from kapitsa_ros.network.topics import RECORDED
+from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.errors import UsageError
-from kapitsa_ros.share import share_path
+from kapitsa_ros.rig.urdf import urdf
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 VIEWERS = ('none', 'rviz', 'plotjuggler', 'foxglove')
 
@@ -29,7 +29,7 @@ class Program:
     parameters: dict[str, Any] = field(default_factory=dict)
 
 
-def programs(viewer: str, plant: PlantParameters) -> list[Program]:
+def programs(viewer: str, plant: Plant) -> list[Program]:
     """Return what to start so that a viewer shows a rig with this plant.
 
     Raises
@@ -53,17 +53,17 @@ def programs(viewer: str, plant: PlantParameters) -> list[Program]:
         )
         raise UsageError(f'viewer {viewer} needs {" and ".join(missing)}: sudo apt install {names}')
     if viewer == 'rviz':
-        config = str(share_path('config', 'viewers', 'kapitsa.rviz'))
+        config = str(resource_path('config', 'viewers', 'kapitsa.rviz'))
         return [_state_publisher(plant), Program('rviz2', 'rviz2', ('-d', config), {'use_sim_time': True})]
     if viewer == 'plotjuggler':
-        layout = str(share_path('config', 'viewers', 'plotjuggler.xml'))
+        layout = str(resource_path('config', 'viewers', 'plotjuggler.xml'))
         return [Program('plotjuggler', 'plotjuggler', ('--layout', layout))]
     if viewer == 'foxglove':
         return [_state_publisher(plant), _bridge()]
     return []
 
 
-def _state_publisher(plant: PlantParameters) -> Program:
+def _state_publisher(plant: Plant) -> Program:
     """Return the node that turns joint states into frames; it takes each that comes, however slow the rig."""
     return Program(
         'robot_state_publisher',

@@ -3,20 +3,20 @@ import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.explain import CAUSES, explain
-from kapitsa_ros.analysis.explain.timing import timed_period
 from kapitsa_ros.analysis.table import Readings, read_table
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.instruments.perfect_timing import timed_period
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
-from kapitsa_ros.share import share_path
+from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
-IDEAL = PlantParameters()
+IDEAL = Plant()
 INCH = 0.0254
 
 
 @pytest.fixture(scope='module')
 def verdict():
-    return explain(read_table(share_path('config', 'tables', '1997.csv')), IDEAL)
+    return explain(read_table(resource_path('config', 'tables', '1997.csv')), IDEAL)
 
 
 def of(verdict, name):
@@ -64,7 +64,7 @@ def test_no_cause_has_weight_where_none_fits():
 
 
 def test_readings_without_an_error_still_give_misfits():
-    table = read_table(share_path('config', 'tables', '1997.csv'))
+    table = read_table(resource_path('config', 'tables', '1997.csv'))
     exact = explain(Readings(table.forcing, table.period, np.zeros(3), np.zeros(3)), IDEAL)
     assert of(exact, 'inertia_factor').rms_misfit == pytest.approx(0.005, abs=1e-3)
 
@@ -77,8 +77,8 @@ def test_friction_is_not_less_than_none():
 
 
 def test_rod_that_cannot_swing_is_said_to():
-    nine_metres = PlantParameters(length=9.75)
-    verdict = explain(read_table(share_path('config', 'tables', '1997.csv')), nine_metres)
+    nine_metres = Plant(length=9.75)
+    verdict = explain(read_table(resource_path('config', 'tables', '1997.csv')), nine_metres)
     assert any('9.75in' in warning for warning in verdict.warnings)
 
 
@@ -142,7 +142,7 @@ def test_timed_period_is_that_of_the_nonlinear_map():
         truth = 2 * np.pi / slow_frequency_nonlinear(IDEAL, speed, 0.12)
         assert timed_period(IDEAL, speed) == pytest.approx(truth, rel=1e-5)
     assert np.isnan(timed_period(IDEAL, 1200 * RPM))  # it falls
-    assert np.isnan(timed_period(PlantParameters(coulomb=20.0), 2500 * RPM))  # it stops
+    assert np.isnan(timed_period(Plant(coulomb=20.0), 2500 * RPM))  # it stops
 
 
 def test_one_speed_is_explained_by_anything():

@@ -3,16 +3,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from kapitsa_ros.analysis.critical import Ruler, direct_fit, evidence_from_motion
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.recorded import RecordedRun
-from kapitsa_ros.analysis.run import Run
-from kapitsa_ros.physics.parameters import PlantParameters, load_preset
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.network.run import Run
+from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.physics.release import Release
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.units import RPM
 
-NOMINAL = PlantParameters()
+NOMINAL = Plant()
 
 
 def recorded(plant, rpm, duration=6.0, held=0.5):
@@ -47,7 +47,7 @@ def test_what_friction_does_to_the_period_stays_within_the_interval():
 
 
 def test_swing_begins_at_the_release_and_ends_where_friction_stops_it():
-    stopped = recorded(PlantParameters(coulomb=3.0), 2500)
+    stopped = recorded(Plant(coulomb=3.0), 2500)
     time, angle = stopped.free_swing()
     assert (time[0], angle[0]) == (0, 0.12)
     living = stopped.living_swing()

@@ -1,27 +1,27 @@
 import numpy as np
 import pytest
 
-from kapitsa_ros.analysis.campaign import perform_all
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.explain.timing import swings_seen
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.sensitivity import sensitivity
 from kapitsa_ros.analysis.table import read_table
-from kapitsa_ros.analysis.virtual import VirtualExperiment
-from kapitsa_ros.instruments.protocol import Protocol
+from kapitsa_ros.instruments.perfect_timing import swings_seen
 from kapitsa_ros.instruments.settings import load_instruments
-from kapitsa_ros.physics.parameters import PlantParameters, load_preset
+from kapitsa_ros.laboratory.campaign import perform_all
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.plant import Plant, load_preset
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
-from kapitsa_ros.share import share_path
+from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
-IDEAL = PlantParameters()
+IDEAL = Plant()
 OF_1997 = load_instruments('1997')
 
 
 def reached(plant, plan, experiments):
     protocol = Protocol(speeds=plan.speeds, swings=plan.swings, repeats=plan.repeats)
-    experiment = VirtualExperiment(plant=plant, instruments=OF_1997, protocol=protocol, seed=0)
+    experiment = SimulatedExperiment(plant=plant, instruments=OF_1997, protocol=protocol, seed=0)
     truth = omega_crit_exact(plant)
     return np.array([abs(o.omega_crit / truth - 1) * 100 for o in perform_all(experiment, experiments)])
 
@@ -66,10 +66,10 @@ def test_near_the_threshold_a_period_tells_most():
         (IDEAL, 0.0, 'above 0'),
         (IDEAL, float('nan'), 'above 0'),
         (IDEAL, 1e-6, 'no protocol tried'),
-        (PlantParameters(amplitude=0.003), 1.0, 'never holds it up'),
-        (PlantParameters(coulomb=30.0), 1.0, 'at none of the speeds'),
-        (PlantParameters(coulomb=5.0), 1.0, 'RPM alone'),
-        (PlantParameters(amplitude=12.7), 1.0, 'at none of the speeds'),
+        (Plant(amplitude=0.003), 1.0, 'never holds it up'),
+        (Plant(coulomb=30.0), 1.0, 'at none of the speeds'),
+        (Plant(coulomb=5.0), 1.0, 'RPM alone'),
+        (Plant(amplitude=12.7), 1.0, 'at none of the speeds'),
     ],
 )
 def test_aims_out_of_reach_say_why(plant, target, message):
@@ -83,7 +83,7 @@ def test_a_plan_needs_a_swing():
 
 
 def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
-    table = read_table(share_path('config', 'tables', '1997.csv'))
+    table = read_table(resource_path('config', 'tables', '1997.csv'))
     deciding = best_separation(table, IDEAL, 'inertia_factor', 'large_swing')
     assert deciding.release == 0.05
     assert deciding.sigmas > 10
@@ -91,7 +91,7 @@ def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
 
 
 def test_cause_that_is_ruled_out_needs_no_further_measurement():
-    table = read_table(share_path('config', 'tables', '1997.csv'))
+    table = read_table(resource_path('config', 'tables', '1997.csv'))
     with pytest.raises(AnalysisError, match='ruled out already'):
         best_separation(table, IDEAL, 'inertia_factor', 'damping')
     with pytest.raises(AnalysisError, match='no cause'):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -19,11 +19,11 @@ def blocks(
     start: float = 0.0,
     count: int = 100,
     period: float = 1e-3,
-) -> Iterator[tuple[float, Samples]]:
+) -> Iterator[tuple[float, SampledMotion]]:
     for number in range(round(duration / (count * period))):
         begin = start + number * count * period
         times = begin + np.arange(count + 1) * period
-        yield begin, Samples(period, *motion(times))
+        yield begin, SampledMotion(period, *motion(times))
 
 
 def shaft(speed: float, phase: float = 0.0, rod_ratio: float = np.inf):

@@ -6,9 +6,10 @@ import pytest
 
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import AFTERIMAGE, Lamp
-from kapitsa_ros.instruments.marks import look
-from kapitsa_ros.instruments.settings import StrobeSettings, load_instruments
-from kapitsa_ros.physics.pivot import Jigsaw
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.instruments.strobe_images import look
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.physics.jigsaw import Jigsaw
 from kapitsa_ros.units import RPM
 
 SPEED = 2500 * RPM

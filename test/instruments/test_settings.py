@@ -4,14 +4,10 @@ import pytest
 import yaml
 
 from kapitsa_ros.instruments.errors import SettingsError
-from kapitsa_ros.instruments.settings import (
-    INSTRUMENT_SETS,
-    StopwatchSettings,
-    StrobeSettings,
-    instruments_from,
-    load_instruments,
-)
-from kapitsa_ros.share import share_path
+from kapitsa_ros.instruments.settings import INSTRUMENT_SETS, instruments_from, load_instruments
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.resources import resource_path
 
 
 def test_1997_set_has_the_published_press():
@@ -27,7 +23,7 @@ def test_ideal_set_neither_quantises_nor_reacts():
 
 @pytest.mark.parametrize('name', INSTRUMENT_SETS)
 def test_sets_name_every_parameter(name):
-    text = share_path('config', 'instruments', f'{name}.yaml').read_text()
+    text = resource_path('config', 'instruments', f'{name}.yaml').read_text()
     given = set(yaml.safe_load(text)['/**']['ros__parameters'])
     assert given == {field.name for kind in (StrobeSettings, StopwatchSettings) for field in fields(kind)}
 

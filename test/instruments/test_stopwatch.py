@@ -3,10 +3,11 @@ import pytest
 from motions import blocks, swing
 
 from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.instruments.randomness import stream
-from kapitsa_ros.instruments.settings import StopwatchSettings, load_instruments
+from kapitsa_ros.instruments.random_streams import random_stream
+from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.stopwatch import Stopwatch
-from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.units import RPM
 
 SLOW, FORCING = 12.0, 2500 * RPM
@@ -18,7 +19,7 @@ def readings(watch, steps):
 
 
 def timed(settings, *, seed=0, swings=3, run=0, **cut):
-    watch = Stopwatch(settings, swings, stream(seed, 'stopwatch', run))
+    watch = Stopwatch(settings, swings, random_stream(seed, 'stopwatch', run))
     (reading,) = readings(watch, blocks(swing(SLOW, FORCING, 0.12, 1.2345), 8.0, **cut))
     return reading
 
@@ -26,7 +27,7 @@ def timed(settings, *, seed=0, swings=3, run=0, **cut):
 @pytest.mark.parametrize('angle', [0.12, -0.12])
 @pytest.mark.parametrize('cut', [{}, {'count': 53}, {'count': 130}, {'count': 400, 'period': 2.5e-4}])
 def test_ideal_stopwatch_is_not_shifted_by_the_sidebands(cut, angle):
-    watch = Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0))
+    watch = Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0))
     (reading,) = readings(watch, blocks(swing(SLOW, FORCING, angle, 1.2345), 8.0, **cut))
     assert (reading.kind, reading.swings) == ('timed', 3)
     assert reading.displayed / 3 == pytest.approx(2 * np.pi / SLOW, rel=1e-5)
@@ -72,7 +73,7 @@ def test_miscounts_are_off_by_one_swing_as_often_as_told():
 
 def test_never_before_its_time_and_one_reading_a_release():
     settings = StopwatchSettings(reaction_time=0.5)
-    watch = Stopwatch(settings, 2, stream(0, 'stopwatch', 0))
+    watch = Stopwatch(settings, 2, random_stream(0, 'stopwatch', 0))
     seen = []
     for start, motion in blocks(swing(SLOW, FORCING, 0.12, 1.0), 10.0):
         reading = watch.observe(start, motion)
@@ -87,7 +88,7 @@ def test_fallen_pendulum_is_said_to_have_fallen():
         angle = np.minimum(0.12 * np.cosh(3.6 * np.maximum(t - 1.0, 0.0)), np.pi / 2)
         return angle, 1.0 * (angle < np.pi / 2), 0.0 * t
 
-    (reading,) = readings(Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), blocks(falling, 6.0))
+    (reading,) = readings(Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), blocks(falling, 6.0))
     assert (reading.kind, reading.displayed, reading.swings) == ('fell', 0.0, 0)
 
 
@@ -97,14 +98,16 @@ def test_swings_that_die_are_given_up_with_their_number():
         size = 0.12 * np.maximum(1 - t / 1.5, 0)
         return size * np.cos(SLOW * t), 0 * t, 0 * t
 
-    (reading,) = readings(Stopwatch(IDEAL, 5, stream(0, 'stopwatch', 0)), blocks(dying, 20.0))
+    (reading,) = readings(Stopwatch(IDEAL, 5, random_stream(0, 'stopwatch', 0)), blocks(dying, 20.0))
     assert (reading.kind, reading.swings) == ('stopped', 2)  # the passages were at 0.75, 1.75 and 2.75 periods
     assert reading.pressed_at < 8.0
 
 
 def test_near_threshold_the_person_is_patient():
     slow = 2 * np.pi / 12.0
-    (reading,) = readings(Stopwatch(IDEAL, 1, stream(0, 'stopwatch', 0)), blocks(swing(slow, FORCING, 0.1, 1.0), 40.0))
+    (reading,) = readings(
+        Stopwatch(IDEAL, 1, random_stream(0, 'stopwatch', 0)), blocks(swing(slow, FORCING, 0.1, 1.0), 40.0)
+    )
     assert reading.displayed == pytest.approx(12.0, rel=1e-4)
 
 
@@ -115,7 +118,7 @@ def test_new_hold_abandons_the_timing_and_its_release_starts_another():
         first, second = swing(SLOW, FORCING, 0.12, 1.0), swing(SLOW, FORCING, 0.10, 4.0)
         return tuple(np.where(t[0] >= held - 1e-9, b, a) for a, b in zip(first(t), second(t), strict=True))
 
-    (reading,) = readings(Stopwatch(IDEAL, 6, stream(0, 'stopwatch', 0)), blocks(twice, 10.0))
+    (reading,) = readings(Stopwatch(IDEAL, 6, random_stream(0, 'stopwatch', 0)), blocks(twice, 10.0))
     assert reading.pressed_at == pytest.approx(4.0 + 6.75 * 2 * np.pi / SLOW, abs=1e-3)
 
 
@@ -123,11 +126,11 @@ def test_held_forever_and_already_swinging_give_nothing():
     held = swing(SLOW, FORCING, 0.12, 1e9)
     swinging = swing(SLOW, FORCING, 0.12, -5.0)
     for motion in (held, swinging):
-        assert not readings(Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), blocks(motion, 20.0))
+        assert not readings(Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), blocks(motion, 20.0))
 
 
 def test_sampling_may_change_in_mid_timing():
-    watch, motion = Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), swing(SLOW, FORCING, 0.12, 1.0)
+    watch, motion = Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), swing(SLOW, FORCING, 0.12, 1.0)
     coarse = blocks(motion, 1.5)
     fine = blocks(motion, 6.0, start=1.5, count=173, period=5e-4)
     (reading,) = readings(watch, [*coarse, *fine])
@@ -137,18 +140,18 @@ def test_sampling_may_change_in_mid_timing():
 def test_gap_in_the_motion_abandons_the_timing():
     steps = list(blocks(swing(SLOW, FORCING, 0.12, 1.0), 8.0))
     del steps[20]
-    assert not readings(Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), steps)
+    assert not readings(Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), steps)
 
 
 def test_no_swings_are_refused():
     with pytest.raises(InstrumentError, match='one or more'):
-        Stopwatch(IDEAL, 0, stream(0, 'stopwatch', 0))
+        Stopwatch(IDEAL, 0, random_stream(0, 'stopwatch', 0))
 
 
 def test_ended_reading_does_not_depend_on_later_samples():
     steps = list(blocks(swing(SLOW, FORCING, 0.12, 1.0), 6.0))
-    whole = readings(Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), steps)
+    whole = readings(Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), steps)
     end = next(i for i, (start, _) in enumerate(steps) if start > whole[0].pressed_at + 0.25)
-    noise = Samples(1e-3, np.linspace(0, 1, 101), np.zeros(101), np.zeros(101))
+    noise = SampledMotion(1e-3, np.linspace(0, 1, 101), np.zeros(101), np.zeros(101))
     changed = [*steps[:end], *((start, noise) for start, _ in steps[end:])]
-    assert readings(Stopwatch(IDEAL, 3, stream(0, 'stopwatch', 0)), changed) == whole
+    assert readings(Stopwatch(IDEAL, 3, random_stream(0, 'stopwatch', 0)), changed) == whole

@@ -2,10 +2,11 @@ import numpy as np
 import pytest
 from motions import blocks, shaft
 
-from kapitsa_ros.instruments.randomness import stream
-from kapitsa_ros.instruments.settings import StrobeSettings, load_instruments
+from kapitsa_ros.instruments.random_streams import random_stream
+from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.strobe import Strobe
-from kapitsa_ros.physics.samples import Samples
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.units import RPM
 
 
@@ -18,15 +19,15 @@ def readings(strobe, steps):
 @pytest.mark.parametrize('block', [{}, {'count': 53}, {'count': 130}, {'count': 200, 'period': 5e-4}])
 def test_ideal_strobe_reads_the_shaft_to_nine_digits(rpm, block, rod_ratio):
     steps = blocks(shaft(rpm * RPM, 0.7, rod_ratio), 6.0, start=100.0, **block)
-    (reading,) = readings(Strobe(load_instruments('ideal').strobe, stream(1, 'strobe', 0)), steps)
+    (reading,) = readings(Strobe(load_instruments('ideal').strobe, random_stream(1, 'strobe', 0)), steps)
     assert reading.speed == pytest.approx(rpm * RPM, rel=1e-9)
 
 
 def test_1997_reading_is_a_graduation_near_the_truth():
     rpm = [
-        readings(Strobe(load_instruments('1997').strobe, stream(seed, 'strobe', 0)), blocks(shaft(2503 * RPM), 40.0))[
-            0
-        ].speed
+        readings(
+            Strobe(load_instruments('1997').strobe, random_stream(seed, 'strobe', 0)), blocks(shaft(2503 * RPM), 40.0)
+        )[0].speed
         / RPM
         for seed in range(40)
     ]
@@ -47,13 +48,13 @@ def test_one_reading_a_steady_speed_and_none_while_it_changes():
         speed, turn = first + rate * ramp, rate * ((t > ramp_end) & (t < ramp_end + 1))
         return -np.cos(phi), speed * np.sin(phi), speed**2 * np.cos(phi) + turn * np.sin(phi)
 
-    seen = readings(Strobe(load_instruments('ideal').strobe, stream(1, 'strobe', 0)), blocks(motion, 12.0))
+    seen = readings(Strobe(load_instruments('ideal').strobe, random_stream(1, 'strobe', 0)), blocks(motion, 12.0))
     assert [reading.speed for reading in seen] == pytest.approx([first, second], rel=1e-9)
     assert seen[0].time < ramp_end < ramp_end + 1 < seen[1].time
 
 
 def test_reading_is_taken_within_the_step_that_returns_it_and_takes_seconds():
-    strobe = Strobe(load_instruments('1997').strobe, stream(3, 'strobe', 0))
+    strobe = Strobe(load_instruments('1997').strobe, random_stream(3, 'strobe', 0))
     for start, pivot in blocks(shaft(2500 * RPM), 10.0):
         reading = strobe.observe(start, pivot)
         if reading is not None:
@@ -64,17 +65,17 @@ def test_reading_is_taken_within_the_step_that_returns_it_and_takes_seconds():
 
 
 def test_resting_shaft_gives_nothing():
-    still = Samples(1e-3, -np.ones(101), np.zeros(101), np.zeros(101))
-    strobe = Strobe(load_instruments('1997').strobe, stream(3, 'strobe', 0))
+    still = SampledMotion(1e-3, -np.ones(101), np.zeros(101), np.zeros(101))
+    strobe = Strobe(load_instruments('1997').strobe, random_stream(3, 'strobe', 0))
     assert not any(strobe.observe(0.1 * step, still) for step in range(100))
 
 
 def test_shaft_too_fast_for_the_lamp_gives_nothing():
     slow_lamp = StrobeSettings(dial_end=300.0)
-    assert not readings(Strobe(slow_lamp, stream(3, 'strobe', 0)), blocks(shaft(2500 * RPM), 20.0))
+    assert not readings(Strobe(slow_lamp, random_stream(3, 'strobe', 0)), blocks(shaft(2500 * RPM), 20.0))
 
 
 def test_dial_error_scales_the_reading():
     wrong = StrobeSettings(dial_error=0.02)
-    (reading,) = readings(Strobe(wrong, stream(1, 'strobe', 0)), blocks(shaft(2500 * RPM), 6.0))
+    (reading,) = readings(Strobe(wrong, random_stream(1, 'strobe', 0)), blocks(shaft(2500 * RPM), 6.0))
     assert reading.speed == pytest.approx(1.02 * 2500 * RPM, rel=1e-9)

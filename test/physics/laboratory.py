@@ -5,9 +5,9 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.physics.pivot import Jigsaw
-from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.pendulum import Pendulum
+from kapitsa_ros.physics.plant import Plant
 
 
 def jigsaw_at(speed, *, amplitude=0.0127, rod_ratio=0.0):
@@ -32,7 +32,7 @@ def swing(plant, speed, release, *, blocks, duration=0.1, count=100, linear=Fals
 def rods(*, slenderness, length, **others):
     """Draw plants whose stroke is a share of their rod's length."""
     return st.builds(
-        lambda share, size, **rest: PlantParameters(length=size, amplitude=share * size, **rest),
+        lambda share, size, **rest: Plant(length=size, amplitude=share * size, **rest),
         slenderness,
         length,
         **others,

@@ -10,8 +10,8 @@ from truth import ENTRIES, plant_of, speed_of
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels import layout
-from kapitsa_ros.physics.parameters import PlantParameters
-from kapitsa_ros.physics.plant import Pendulum
+from kapitsa_ros.physics.pendulum import Pendulum
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 SPEED = 2500 * RPM
@@ -31,7 +31,7 @@ def test_it_buzzes_off_upright_at_the_published_angle(name, coulomb):
 
 
 def test_inside_the_stuck_zone_it_does_not_move():
-    plant = PlantParameters(coulomb=5.0)
+    plant = Plant(coulomb=5.0)
     zone = ENTRIES['theta_s_2500_f5']['value']
     _, angle, rate, pendulum = swing(plant, SPEED, 0.999 * zone, blocks=20)
     assert pendulum.stuck
@@ -44,7 +44,7 @@ def test_inside_the_stuck_zone_it_does_not_move():
 @pytest.mark.parametrize('release', [0.003, 0.05, 0.3])
 def test_friction_never_adds_energy_on_a_resting_pivot(release):
     """On a pivot at rest the energy ½θ′² + kg cos θ falls whatever the friction."""
-    plant = PlantParameters(coulomb=0.2, damping=0.05)
+    plant = Plant(coulomb=0.2, damping=0.05)
     jigsaw, pendulum = jigsaw_at(100.0), Pendulum(plant, stop=7.0)
     jigsaw.advance(0.0, 0.1, 1)
     pendulum.hold(math.pi - release)
@@ -57,7 +57,7 @@ def test_friction_never_adds_energy_on_a_resting_pivot(release):
 
 def test_a_swing_on_a_resting_pivot_loses_the_friction_work_exactly():
     """From one turning point to the next the energy lost is f times the way gone."""
-    plant = PlantParameters(coulomb=0.4)
+    plant = Plant(coulomb=0.4)
     jigsaw, pendulum = jigsaw_at(100.0), Pendulum(plant, stop=7.0)
     jigsaw.advance(0.0, 0.1, 1)
     pendulum.hold(math.pi - 0.5)
@@ -118,14 +118,14 @@ def impacts_by_scipy(plant, speed, release, end):
 
 @pytest.mark.parametrize(('restitution', 'within'), [(0.0, 1e-10), (0.3, 1e-6), (0.6, 1e-6)])
 def test_impacts_agree_with_event_location(restitution, within):
-    plant = PlantParameters(clearance=5e-4, restitution=restitution)
+    plant = Plant(clearance=5e-4, restitution=restitution)
     _, angle, _, _ = swing(plant, SPEED, 0.1, blocks=3)
     assert angle[-1] == pytest.approx(impacts_by_scipy(plant, SPEED, 0.1, 0.3), abs=within)
 
 
 OTHER_RODS = [
-    (PlantParameters(length=0.1, amplitude=0.02, clearance=3e-4, damping=8.0), 1500 * RPM),
-    (PlantParameters(length=0.6, amplitude=0.02, gravity=3.7, inertia_factor=0.8, clearance=1e-3), 2000 * RPM),
+    (Plant(length=0.1, amplitude=0.02, clearance=3e-4, damping=8.0), 1500 * RPM),
+    (Plant(length=0.6, amplitude=0.02, gravity=3.7, inertia_factor=0.8, clearance=1e-3), 2000 * RPM),
 ]
 
 
@@ -152,16 +152,16 @@ def test_the_effective_amplitude_of_other_rods_under_play_is_first_order(plant, 
 
 
 def test_play_at_zero_clearance_equals_no_play():
-    _, none, _, _ = swing(PlantParameters(), SPEED, 0.1, blocks=10)
+    _, none, _, _ = swing(Plant(), SPEED, 0.1, blocks=10)
     gaps = (1e-7, 1e-8)
-    off = [np.abs(swing(PlantParameters(clearance=gap), SPEED, 0.1, blocks=10)[1] - none).max() for gap in gaps]
+    off = [np.abs(swing(Plant(clearance=gap), SPEED, 0.1, blocks=10)[1] - none).max() for gap in gaps]
     assert off[0] < 1e-4
     assert off[1] / off[0] == pytest.approx(0.1, rel=0.05)
 
 
 @pytest.mark.parametrize('restitution', [0.0, 0.3, 0.9, 1.0])
 def test_the_hole_stays_on_the_pin(restitution):
-    plant = PlantParameters(clearance=5e-4, restitution=restitution, coulomb=0.3)
+    plant = Plant(clearance=5e-4, restitution=restitution, coulomb=0.3)
     jigsaw, pendulum = jigsaw_at(SPEED), Pendulum(plant)
     pendulum.hold(0.05)
     pendulum.release()
@@ -172,7 +172,7 @@ def test_the_hole_stays_on_the_pin(restitution):
 
 
 def test_wear_grows_the_clearance_with_the_energy_of_the_impacts_until_the_rod_comes_off():
-    plant = PlantParameters(clearance=2e-4, wear=2e-5, failure_clearance=4e-4)
+    plant = Plant(clearance=2e-4, wear=2e-5, failure_clearance=4e-4)
     _, _, _, pendulum = swing(plant, SPEED, 0.1, blocks=3)
     assert pendulum.clearance == pytest.approx(2e-4 + 2e-5 * pendulum.impact_energy, rel=1e-12)
     assert not pendulum.failed
@@ -185,16 +185,16 @@ def test_wear_grows_the_clearance_with_the_energy_of_the_impacts_until_the_rod_c
 
 
 def test_small_swings_with_friction_free_pivot_follow_linear_theory():
-    _, angle, _, _ = swing(PlantParameters(), SPEED, 1e-3, blocks=100, linear=True)
-    _, double, _, _ = swing(PlantParameters(), SPEED, 2e-3, blocks=100, linear=True)
+    _, angle, _, _ = swing(Plant(), SPEED, 1e-3, blocks=100, linear=True)
+    _, double, _, _ = swing(Plant(), SPEED, 2e-3, blocks=100, linear=True)
     np.testing.assert_allclose(double, 2 * angle, rtol=0, atol=1e-15)
-    assert theory.slow_frequency_exact(PlantParameters(), SPEED) > 0
+    assert theory.slow_frequency_exact(Plant(), SPEED) > 0
 
 
 def test_linear_and_nonlinear_part_with_the_cube_of_the_amplitude():
     apart = []
     for release in (0.02, 0.04):
-        _, full, _, _ = swing(PlantParameters(), SPEED, release, blocks=10)
-        _, line, _, _ = swing(PlantParameters(), SPEED, release, blocks=10, linear=True)
+        _, full, _, _ = swing(Plant(), SPEED, release, blocks=10)
+        _, line, _, _ = swing(Plant(), SPEED, release, blocks=10, linear=True)
         apart.append(np.abs(full - line).max())
     assert math.log2(apart[1] / apart[0]) == pytest.approx(3, abs=0.02)

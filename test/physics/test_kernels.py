@@ -12,7 +12,7 @@ from kapitsa_ros.physics.kernels.hermite import acceleration_series, stencil_wei
 from kapitsa_ros.physics.kernels.mathieu import half_period
 from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
 from kapitsa_ros.physics.kernels.series import shift, value, value_and_slope
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 ROOTS = st.lists(st.floats(0.01, 3.0), min_size=0, max_size=5)
@@ -79,7 +79,7 @@ def test_the_frictionless_map_keeps_area(a, q):
 
 def test_the_nonlinear_map_keeps_area():
     """The determinant of the stroboscopic map at a large swing, by central differences of tenth order in rounding."""
-    plant, speed = PlantParameters(), 2500 * RPM
+    plant, speed = Plant(), 2500 * RPM
     constants = layout.constants(plant, stop=math.pi / 2, linear=False)
 
     def turn(angle, rate):
@@ -103,7 +103,7 @@ def test_the_nonlinear_map_keeps_area():
 
 
 def test_the_order_of_the_series_is_sixteen():
-    plant, speed = PlantParameters(), 2500 * RPM
+    plant, speed = Plant(), 2500 * RPM
     constants = layout.constants(plant, stop=math.pi / 2, linear=False)
 
     def end(steps):

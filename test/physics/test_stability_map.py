@@ -5,17 +5,17 @@ import pytest
 
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.errors import ParameterError
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 
 @pytest.mark.parametrize('damping', [0.0, 2.0, 40.0])
 def test_the_map_agrees_with_the_exponents(damping):
-    plant = PlantParameters(damping=damping)
+    plant = Plant(damping=damping)
     speeds, ratios = np.linspace(60, 6000, 37) * RPM, np.linspace(0.001, 0.9, 23)
     found = theory.stability_map(plant, speeds, ratios * plant.length)
     for i, ratio in enumerate(ratios):
-        rod = PlantParameters(damping=damping, amplitude=ratio * plant.length)
+        rod = Plant(damping=damping, amplitude=ratio * plant.length)
         for j, speed in enumerate(speeds):
             growth = theory.growth_rate(rod, speed)
             half_trace = found.half_trace[i, j]
@@ -27,12 +27,12 @@ def test_the_map_agrees_with_the_exponents(damping):
 
 def test_the_map_at_1e_10():
     """Against the monodromy matrix at points off its own nodes."""
-    plant = PlantParameters(damping=1.0)
+    plant = Plant(damping=1.0)
     speeds = np.linspace(300, 5000, 200) * RPM
     amplitudes = np.linspace(0.002, 0.12, 150)
     found = theory.stability_map(plant, speeds, amplitudes)
     for i, j in ((0, 0), (3, 197), (77, 31), (149, 0), (149, 199), (100, 100)):
-        rod = PlantParameters(damping=1.0, amplitude=amplitudes[i])
+        rod = Plant(damping=1.0, amplitude=amplitudes[i])
         slow = theory.slow_frequency_exact(rod, speeds[j])
         if found.stable[i, j] and slow:
             assert found.half_trace[i, j] == pytest.approx(math.cos(2 * math.pi * slow / speeds[j]), abs=1e-10)
@@ -51,4 +51,4 @@ def test_the_map_at_1e_10():
 )
 def test_bad_axes(speeds, amplitudes):
     with pytest.raises(ParameterError, match='ascending'):
-        theory.stability_map(PlantParameters(), speeds, amplitudes)
+        theory.stability_map(Plant(), speeds, amplitudes)

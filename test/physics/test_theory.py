@@ -10,14 +10,14 @@ from scipy.integrate import solve_ivp
 
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 PLANTS = [
-    PlantParameters(),
-    PlantParameters(damping=3.0, inertia_factor=0.7, gravity=1.6),
-    PlantParameters(length=0.1, amplitude=0.05),
-    PlantParameters(length=0.1, amplitude=0.035, damping=40.0),
+    Plant(),
+    Plant(damping=3.0, inertia_factor=0.7, gravity=1.6),
+    Plant(length=0.1, amplitude=0.05),
+    Plant(length=0.1, amplitude=0.035, damping=40.0),
 ]
 
 
@@ -89,7 +89,7 @@ def test_thresholds_part_stable_from_unstable(plant):
     damping=st.one_of(st.just(0.0), st.floats(-15.0, 2.5).map(lambda power: 10**power)),
 )
 def test_thresholds_part_stable_from_unstable_whatever_the_rod(length, slenderness, gravity, damping):
-    plant = PlantParameters(length=length, amplitude=slenderness * length, gravity=gravity, damping=damping)
+    plant = Plant(length=length, amplitude=slenderness * length, gravity=gravity, damping=damping)
     lower, upper = theory.omega_crit_exact(plant), theory.omega_crit_upper(plant)
     assert theory.growth_rate(plant, lower * (1 - 1e-4)) > 0
     assert theory.growth_rate(plant, lower * (1 + 1e-4)) <= 0
@@ -100,7 +100,7 @@ def test_thresholds_part_stable_from_unstable_whatever_the_rod(length, slenderne
 
 def test_damping_moves_the_threshold_as_the_next_order_says():
     """ω_crit² + c², good to 0.15 RPM up to a damping ratio of 1 (against the exact undamped threshold)."""
-    plant = PlantParameters()
+    plant = Plant()
     for ratio in (0.2, 1.0):
         damped = replace(plant, damping=2 * ratio * math.sqrt(plant.k * plant.gravity))
         step = math.hypot(theory.omega_crit_exact(plant), damped.damping)
@@ -109,7 +109,7 @@ def test_damping_moves_the_threshold_as_the_next_order_says():
 
 
 def test_nonlinear_frequency_tends_to_the_linear_one_with_the_square_of_the_angle():
-    plant, speed = PlantParameters(), 2500 * RPM
+    plant, speed = Plant(), 2500 * RPM
     linear = theory.slow_frequency_exact(plant, speed)
     drop = [linear - theory.slow_frequency_nonlinear(plant, speed, angle) for angle in (0.02, 0.04)]
     assert drop[1] / drop[0] == pytest.approx(4, rel=2e-3)
@@ -117,14 +117,14 @@ def test_nonlinear_frequency_tends_to_the_linear_one_with_the_square_of_the_angl
 
 def test_nonlinear_frequency_of_a_short_rod_near_its_upper_limit():
     """The orbit turns by almost half a turn a period there: small swings still give the linear frequency."""
-    plant = PlantParameters(length=0.1, amplitude=0.05)
+    plant = Plant(length=0.1, amplitude=0.05)
     speed = 0.995 * theory.omega_crit_upper(plant)
     linear = theory.slow_frequency_exact(plant, speed)
     assert theory.slow_frequency_nonlinear(plant, speed, 1e-5) == pytest.approx(linear, rel=1e-6)
 
 
 def test_averaged_frequency_does_not_exist_below_the_threshold():
-    plant = PlantParameters()
+    plant = Plant()
     assert theory.slow_frequency_averaged(plant, 0.999 * theory.omega_crit_averaged(plant)) is None
     assert theory.slow_frequency_exact(plant, 0.999 * theory.omega_crit_exact(plant)) is None
 
@@ -132,11 +132,11 @@ def test_averaged_frequency_does_not_exist_below_the_threshold():
 @pytest.mark.parametrize('speed', [0.0, -10.0, math.nan, math.inf])
 def test_bad_speed(speed):
     with pytest.raises(ParameterError, match='speed'):
-        theory.growth_rate(PlantParameters(), speed)
+        theory.growth_rate(Plant(), speed)
 
 
 def test_what_has_no_slow_frequency_says_so():
-    plant = PlantParameters()
+    plant = Plant()
     with pytest.raises(PhysicsError, match='not stable'):
         theory.slow_frequency_nonlinear(plant, 1000 * RPM, 0.1)
     with pytest.raises(PhysicsError, match='falls'):
@@ -147,8 +147,8 @@ def test_what_has_no_slow_frequency_says_so():
 
 def test_what_double_precision_cannot_hold_says_so():
     with pytest.raises(PhysicsError, match='too fast'):
-        theory.growth_rate(PlantParameters(), 1e-3)
+        theory.growth_rate(Plant(), 1e-3)
     with pytest.raises(PhysicsError, match='too fast'):
-        theory.growth_rate(PlantParameters(), 1e-200)
+        theory.growth_rate(Plant(), 1e-200)
     with pytest.raises(PhysicsError, match='damping'):
-        theory.omega_crit_exact(PlantParameters(damping=1e8))
+        theory.omega_crit_exact(Plant(damping=1e8))

@@ -9,11 +9,11 @@ from laboratory import swing
 from scipy.optimize import brentq
 from truth import ENTRIES, matching_digits, plant_of, speed_of
 
-from kapitsa_ros.analysis.reduction import inverse, ordinary, slope_ratio
+from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.physics import theory
-from kapitsa_ros.physics.simulation import Release
-from kapitsa_ros.physics.slow_motion import observe
+from kapitsa_ros.physics.release import Release
+from kapitsa_ros.physics.run_summary import observe
 from kapitsa_ros.units import RPM
 
 

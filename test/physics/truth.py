@@ -4,7 +4,7 @@ import json
 import math
 from pathlib import Path
 
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 _DOCUMENT = json.loads(Path(__file__).with_name('truth.json').read_text('utf-8'))
@@ -15,7 +15,7 @@ def plant_of(params):
     """Return the plant an entry speaks of."""
     names = {'L_m': 'length', 'lam_m': 'amplitude', 'c_per_s': 'damping', 'g': 'gravity', 'f': 'coulomb'}
     names |= {'D_m': 'clearance', 'e': 'restitution'}
-    return PlantParameters(**{names[key]: value for key, value in params.items() if key in names})
+    return Plant(**{names[key]: value for key, value in params.items() if key in names})
 
 
 def speed_of(params):

@@ -8,17 +8,18 @@ import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 
-from kapitsa_ros.instruments.operator import Command
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.physics.samples import Samples
-from kapitsa_ros.physics.steps import SECOND, StepClock, Tick
-from kapitsa_ros.recording import messages as m
-from kapitsa_ros.recording import topics
+from kapitsa_ros.network import messages as m
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.cdr import encode_silence
+from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.operator.command import Command
+from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import refuse_existing, run_name
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.recording.wire import encode_silence
 from kapitsa_ros.recording.writer import RunWriter
 from kapitsa_ros.units import RPM
 
@@ -31,23 +32,23 @@ SETTINGS = {
 }
 
 
-def step_messages(tick: Tick) -> dict[str, bytes]:
+def step_messages(step_id: StepId) -> dict[str, bytes]:
     """Return the messages of a step of a made-up run: let go at step 4, both readings at step 8."""
-    stamp = CLOCK.start_ns(tick)
-    if tick.end:
-        return {topic.name: encode_silence(topic.type, stamp, tick) for topic in topics.RECORDED[1:]}
-    time = CLOCK.start(tick) + np.linspace(0.0, 0.1, 101)
-    motion = Samples(0.001, np.sin(time), np.cos(time), -np.sin(time))
-    read = tick.step == 8
-    strobe = StrobeReading(time=CLOCK.start(tick), speed=234.0) if read else None
-    timed = StopwatchReading(pressed_at=CLOCK.start(tick), displayed=1.5, swings=3, kind='timed') if read else None
+    stamp = CLOCK.start_ns(step_id)
+    if step_id.end:
+        return {topic.name: encode_silence(topic.type, stamp, step_id) for topic in topics.RECORDED[1:]}
+    time = CLOCK.start(step_id) + np.linspace(0.0, 0.1, 101)
+    motion = SampledMotion(0.001, np.sin(time), np.cos(time), -np.sin(time))
+    read = step_id.step == 8
+    strobe = StrobeReading(time=CLOCK.start(step_id), speed=234.0) if read else None
+    timed = StopwatchReading(pressed_at=CLOCK.start(step_id), displayed=1.5, swings=3, kind='timed') if read else None
     return {
-        topics.COMMAND.name: m.encode_command(stamp, tick, Command(2240 * RPM, 0.12 if tick.step < 4 else None)),
-        topics.PIVOT.name: m.encode_samples(stamp, tick, 'pivot', motion),
-        topics.MOTION.name: m.encode_samples(stamp, tick, 'pendulum', motion),
-        topics.STROBE.name: m.encode_strobe(stamp, tick, strobe),
-        topics.STOPWATCH.name: m.encode_stopwatch(stamp, tick, timed),
-        topics.RESULT.name: encode_silence(topics.RESULT.type, stamp, tick),
+        topics.COMMAND.name: m.encode_command(stamp, step_id, Command(2240 * RPM, 0.12 if step_id.step < 4 else None)),
+        topics.PIVOT.name: m.encode_samples(stamp, step_id, 'pivot', motion),
+        topics.MOTION.name: m.encode_samples(stamp, step_id, 'pendulum', motion),
+        topics.STROBE.name: m.encode_strobe(stamp, step_id, strobe),
+        topics.STOPWATCH.name: m.encode_stopwatch(stamp, step_id, timed),
+        topics.RESULT.name: encode_silence(topics.RESULT.type, stamp, step_id),
     }
 
 
@@ -55,9 +56,9 @@ def write(path: Path, *, storage: str = 'mcap', leave_out: int | None = None, en
     writer = RunWriter(path, storage, SETTINGS, steps_a_chunk=5)
     for step in range(12):
         if step != leave_out:
-            writer.write_step(CLOCK.start_ns(Tick(1, step)), step_messages(Tick(1, step)))
+            writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step)))
     if end:
-        writer.write_step(CLOCK.start_ns(Tick(1, 12)), step_messages(Tick(1, 12, end=True)))
+        writer.write_step(CLOCK.start_ns(StepId(1, 12)), step_messages(StepId(1, 12, end=True)))
     writer.close(complete=end)
     return path
 
@@ -109,8 +110,8 @@ def test_a_crash_costs_at_most_a_chunk(tmp_path: Path) -> None:
     script = (
         'import os, signal, sys; sys.path.insert(0, sys.argv[2]); from pathlib import Path; import test_bags as t\n'
         'writer = t.RunWriter(Path(sys.argv[1]), "mcap", t.SETTINGS, 5)\n'
-        'for tick in [t.Tick(1, step) for step in range(12)]:\n'
-        '    writer.write_step(t.CLOCK.start_ns(tick), t.step_messages(tick))\n'
+        'for step_id in [t.StepId(1, step) for step in range(12)]:\n'
+        '    writer.write_step(t.CLOCK.start_ns(step_id), t.step_messages(step_id))\n'
         'os.kill(os.getpid(), signal.SIGKILL)'
     )
     subprocess.run([sys.executable, '-c', script, str(path), str(Path(__file__).parent)], check=False)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from kapitsa_ros.recording.topics import ROLES
+from kapitsa_ros.network.topics import ROLES
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import node_environment
 

@@ -16,18 +16,18 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
-from kapitsa_ros.instruments.errors import RequestError
-from kapitsa_ros.nodes.pace import LATE
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags
+from kapitsa_ros.network import topics
+from kapitsa_ros.network.messages import decode_command
+from kapitsa_ros.operator.errors import RequestError
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
-from kapitsa_ros.recording import topics
-from kapitsa_ros.recording.messages import decode_command
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
-from kapitsa_ros.rig.experiment import replay_bags
-from kapitsa_ros.rig.offline import analyse_bags
+from kapitsa_ros.rig.session import replay_bags
+from kapitsa_ros.ros.real_time_pacer import LATE
 from kapitsa_ros.units import RPM
 
 pytestmark = pytest.mark.xdist_group('harness')
@@ -81,7 +81,7 @@ def timed(rig: Rig, rpm: float, angle: float) -> float:
 
 def test_a_person_reads_the_nonlinear_truth(lab: Rig) -> None:
     for rpm, angle in ((2500, 0.12), (2000, -0.2)):
-        truth = 2 * math.pi / slow_frequency_nonlinear(PlantParameters(), rpm * RPM, abs(angle))
+        truth = 2 * math.pi / slow_frequency_nonlinear(Plant(), rpm * RPM, abs(angle))
         assert timed(lab, rpm, angle) == pytest.approx(truth, rel=2e-3)
 
 
@@ -142,11 +142,12 @@ def test_news_are_all_that_was_said_once_and_in_order(paused: Rig) -> None:
     paused.step(3)
     news = paused.news()
     said = {
-        topic: [tick.step for name, tick, _ in news if name == topic] for topic in ('jigsaw/pivot', 'pendulum/motion')
+        topic: [step_id.step for name, step_id, _ in news if name == topic]
+        for topic in ('jigsaw/pivot', 'pendulum/motion')
     }
     assert said['jigsaw/pivot'] == said['pendulum/motion']
     assert np.diff(said['jigsaw/pivot']).tolist() == [1, 1]
-    assert [tick.step for _, tick, _ in news] == sorted(tick.step for _, tick, _ in news)
+    assert [step_id.step for _, step_id, _ in news] == sorted(step_id.step for _, step_id, _ in news)
     assert paused.news(0) == []
 
 
@@ -219,7 +220,7 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
     lab.request_speed(2500)
     lab.wait_for('strobe/reading', lambda reading: abs(reading.speed / RPM - 2500) < 1)
     lab.release(0.12)
-    truth = 2 * math.pi / slow_frequency_nonlinear(PlantParameters(), 2500 * RPM, 0.12)
+    truth = 2 * math.pi / slow_frequency_nonlinear(Plant(), 2500 * RPM, 0.12)
     # One of the swings before may come to its end first.
     lab.wait_for('stopwatch/reading', lambda reading: reading.displayed / 3 == pytest.approx(truth, rel=2e-3))
     spin_until(lambda: refused.get('operator: health', 0) > 0)

@@ -17,14 +17,14 @@ import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 
-from kapitsa_ros.nodes.observer import Observer
-from kapitsa_ros.physics.parameters import load_preset
-from kapitsa_ros.recording.topics import RECORDED, ROLES, WRITTEN
+from kapitsa_ros.network.topics import RECORDED, ROLES, WRITTEN
+from kapitsa_ros.physics.plant import load_preset
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
-from kapitsa_ros.rig.processes import Nodes
-from kapitsa_ros.rig.roster import Setup, parameters
-from kapitsa_ros.rig.segments import dead_segments, remove_dead_segments
+from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.setup import Setup, parameters
+from kapitsa_ros.rig.shared_memory import remove_stale_segments, stale_segments
+from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 Kapitsa = Callable[..., Any]
 Recorded = tuple[Path, dict[str, Any]]
@@ -40,7 +40,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob('*')) if path.is_file()}
 
 
-def carry_out(nodes: Nodes) -> None:
+def carry_out(nodes: NodeGroup) -> None:
     """Wait until the session is over."""
     deadline = time.monotonic() + PATIENCE
     while not nodes.wait(1.0):
@@ -65,12 +65,12 @@ def role_of(pid: int) -> str:
     return command[command.index(b'kapitsa_ros.nodes') + 1].decode()
 
 
-def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, tmp_path: Path) -> None:
+def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
     spectator = Node('spectator', context=context)
-    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
+    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
         try:
             observer.wait_for_progress(PATIENCE)
             eventually(lambda: set(ROLES) <= set(spectator.get_node_names()))
@@ -87,8 +87,8 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: Observer, 
             context.try_shutdown()
 
 
-def test_dds_uses_loopback_alone(domain: int, observer: Observer, tmp_path: Path) -> None:
-    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+def test_dds_uses_loopback_alone(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
+    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         inodes = set()
         for role in ROLES:
@@ -112,7 +112,7 @@ def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorde
     processes = []
     try:
         for role in order:
-            arguments = [sys.executable, '-m', 'kapitsa_ros.rig', 'node', role]
+            arguments = [sys.executable, '-m', 'kapitsa_ros', 'node', role]
             if role == 'recorder':
                 arguments += ['--ros-args', '-p', f'bags:={tmp_path / "A"}']
             if role in {'strobe', 'stopwatch'}:
@@ -131,7 +131,7 @@ def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorde
 
 def test_whoever_is_missing_is_named(domain: int) -> None:
     process = subprocess.Popen(
-        [sys.executable, '-m', 'kapitsa_ros.rig', 'node', 'pendulum'],
+        [sys.executable, '-m', 'kapitsa_ros', 'node', 'pendulum'],
         env=node_environment(domain), stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
@@ -149,7 +149,7 @@ def test_whoever_is_missing_is_named(domain: int) -> None:
 SLOW_RECORDER = """
 import sys, time
 import kapitsa_ros.nodes.recorder as recorder
-from kapitsa_ros.nodes.process import main
+from kapitsa_ros.ros.main import main
 
 class Slow(recorder.RecorderNode):
     def accept(self, topic, tick, raw):
@@ -164,7 +164,7 @@ sys.exit(main(['recorder', *sys.argv[1:]]))
 def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp_path: Path, domain: int) -> None:
     others = [role for role in ROLES if role != 'recorder']
     command = [sys.executable, '-c', SLOW_RECORDER, '--ros-args', '-p', f'bags:={tmp_path / "A"}']
-    with Nodes(others, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+    with NodeGroup(others, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
         slow = subprocess.Popen(command, env=node_environment(domain))
         try:
             carry_out(nodes)
@@ -176,9 +176,9 @@ def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp
 
 
 def test_a_recorder_stopped_for_a_while_loses_nothing(
-    recorded: Recorded, tmp_path: Path, domain: int, observer: Observer
+    recorded: Recorded, tmp_path: Path, domain: int, observer: SessionMonitor
 ) -> None:
-    with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+    with NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         nodes['recorder'].end(signal.SIGSTOP)
         assert not nodes.wait(5.0), 'the session ended without its recorder'
@@ -190,7 +190,7 @@ def test_a_recorder_stopped_for_a_while_loses_nothing(
 ECHO = """
 import rclpy
 from trajectory_msgs.msg import JointTrajectory
-from kapitsa_ros.nodes.qos import STREAM
+from kapitsa_ros.ros.qos import STREAM
 
 rclpy.init()
 node = rclpy.create_node('echo')
@@ -208,20 +208,20 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     echo = subprocess.Popen([sys.executable, '-c', ECHO], env=node_environment(domain), stdout=subprocess.PIPE)
     assert echo.stdout is not None
     try:
-        with Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+        with NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
             assert b'They know each other' in echo.stdout.readline()
             assert echo.stdout.read(10) == 10 * b'.'
             echo.send_signal(signal.SIGSTOP)
             assert nodes['pendulum'].wait_for_line('waiting for a reader that has stopped', PATIENCE)
             echo.send_signal(signal.SIGCONT)
             carry_out(nodes)
-            [line] = [line for line in nodes['pendulum'].last_words().split('; ') if 'has stopped' in line]
+            [line] = [line for line in nodes['pendulum'].last_error_lines().split('; ') if 'has stopped' in line]
             assert 'pendulum/motion' in line
             assert 'echo' in line
     finally:
         echo.kill()
         echo.communicate()
-        remove_dead_segments()
+        remove_stale_segments()
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
@@ -230,7 +230,7 @@ def test_a_node_that_is_killed_ends_the_experiment(
     role: str, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
 ) -> None:
     process = subprocess.Popen(
-        [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
+        [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'},
     )  # fmt: skip
@@ -259,7 +259,7 @@ def test_a_node_that_is_killed_ends_the_experiment(
 def test_a_node_that_is_asked_to_leave_ends_the_experiment_too(number: signal.Signals, tmp_path: Path) -> None:
     """It leaves with status 0, as it should; the others would wait for it for ever."""
     process = subprocess.Popen(
-        [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A')],
+        [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A')],
         stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:
@@ -276,20 +276,20 @@ def test_a_node_that_is_asked_to_leave_ends_the_experiment_too(number: signal.Si
 
 
 def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
-    with Nodes(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
+    with NodeGroup(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
         assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)
-        before = dead_segments()
+        before = stale_segments()
         nodes['pendulum'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='pendulum was killed'):
             nodes.wait(PATIENCE)
-        left = dead_segments() - before
+        left = stale_segments() - before
         assert left
-        remove_dead_segments()
-        assert not left & dead_segments()
+        remove_stale_segments()
+        assert not left & stale_segments()
 
 
 def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
-    command = [sys.executable, '-m', 'kapitsa_ros.rig', 'experiment', '--rate', '1', '--bags', str(tmp_path)]
+    command = [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '1', '--bags', str(tmp_path)]
     environment = {name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'}
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
     assert process.stderr is not None
@@ -301,7 +301,7 @@ def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
     for node in nodes:
         assert select.select([node], [], [], 10.0)[0], 'a node still runs'
         os.close(node)
-    remove_dead_segments()  # those of the rig itself, which the next one would remove
+    remove_stale_segments()  # those of the rig itself, which the next one would remove
 
 
 def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_path: Path) -> None:
@@ -310,12 +310,12 @@ def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_
     assert f'a rig runs in domain {domain} already' in answer.err
 
 
-def test_a_second_node_of_a_role_is_refused(domain: int, observer: Observer, tmp_path: Path) -> None:
+def test_a_second_node_of_a_role_is_refused(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
     """Both of two rigs started by hand in one domain see it; the one that runs goes on."""
-    with Nodes(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         with (
-            Nodes(['pendulum'], parameters(setup_of(tmp_path)), domain) as second,
+            NodeGroup(['pendulum'], parameters(setup_of(tmp_path)), domain) as second,
             pytest.raises(RigError, match=r'2 nodes write pendulum/motion .* ROS_DOMAIN_ID|joined late'),
         ):
             carry_out(second)
@@ -327,7 +327,7 @@ def test_a_second_node_of_a_role_is_refused(domain: int, observer: Observer, tmp
 def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:
     (tmp_path / 'A').write_text('a file where a folder should be')
     with (
-        Nodes(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
+        NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
         pytest.raises(RigError, match=r'recorder .*cannot write'),
     ):
         carry_out(nodes)

@@ -23,27 +23,28 @@ from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
-from kapitsa_ros.instruments.operator import Command
-from kapitsa_ros.instruments.protocol import load_protocol
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.nodes.pace import Pace
-from kapitsa_ros.nodes.progress import progress_message
-from kapitsa_ros.nodes.qos import VIEW, message_class
-from kapitsa_ros.nodes.screen import JOINTS
-from kapitsa_ros.physics.parameters import PlantParameters, load_preset
-from kapitsa_ros.physics.steps import SECOND, Tick
-from kapitsa_ros.recording.messages import decode_samples, encode_command, encode_strobe
+from kapitsa_ros.network.cdr import read_step_id, stamp_of
+from kapitsa_ros.network.messages import decode_samples, encode_command, encode_strobe
+from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.topics import MOTION, PIVOT, RECORDED
+from kapitsa_ros.operator.command import Command
+from kapitsa_ros.operator.protocol import load_protocol
+from kapitsa_ros.physics.plant import Plant, load_preset
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.recording.topics import MOTION, PIVOT, RECORDED
-from kapitsa_ros.recording.wire import read_tick, stamp_of
 from kapitsa_ros.rig import Rig
-from kapitsa_ros.rig.description import MASS, urdf
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
-from kapitsa_ros.rig.processes import Nodes
-from kapitsa_ros.rig.roster import REPLAY_ROLES, replay_parameters
+from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.setup import REPLAY_ROLES, replay_parameters
+from kapitsa_ros.rig.urdf import MASS, urdf
 from kapitsa_ros.rig.viewers import VIEWERS, programs
+from kapitsa_ros.ros.diagnostics import progress_message
+from kapitsa_ros.ros.joint_state_publisher import JOINTS
+from kapitsa_ros.ros.qos import VIEW, message_class
+from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 
 pytestmark = pytest.mark.xdist_group('viewers')
 ROOT = Path(__file__).parents[2]
@@ -107,7 +108,7 @@ def recorded_states(*bags: Path) -> dict[int, tuple[list[float], list[float]]]:
         for topic, _, raw in bag.raw(PIVOT.name, MOTION.name):
             steps.setdefault(stamp_of(raw), {})[topic] = raw
         for start, messages in sorted(steps.items()):
-            if any(read_tick(raw).end for raw in messages.values()):
+            if any(read_step_id(raw).end for raw in messages.values()):
                 continue
             pair = [decode_samples(messages[name]) for name in (PIVOT.name, MOTION.name)]
             for index in range(pair[0].position.size):
@@ -145,7 +146,7 @@ def test_joint_states_are_the_recorded_motion(tmp_path: Path) -> None:
 def test_a_replay_shows_the_recorded_motion() -> None:
     with reserved_domain() as domain, viewer_in(domain) as viewer:
         told = replay_parameters(SHIPPED[:1], 1.0)
-        with Nodes(REPLAY_ROLES, told, domain):
+        with NodeGroup(REPLAY_ROLES, told, domain):
             viewer.watch(lambda: len(viewer.states) >= 10 and len(viewer.clocks) >= 10)
     agree(viewer.states, SHIPPED[0])
     assert viewer.clocks == sorted(set(viewer.clocks))
@@ -156,7 +157,7 @@ def test_a_replay_shows_the_recorded_motion() -> None:
 
 
 @pytest.fixture(params=[{}, {'length': 0.4, 'amplitude': 0.03}], ids=['1997', 'another'])
-def plant(request: pytest.FixtureRequest) -> PlantParameters:
+def plant(request: pytest.FixtureRequest) -> Plant:
     return load_preset('ideal', request.param)
 
 
@@ -178,7 +179,7 @@ def limits(joint: ET.Element) -> dict[str, float]:
     return {name: float(value) for name, value in found.attrib.items()}
 
 
-def test_the_model_is_one_tree_and_moves_at_the_joints_of_the_topic(plant: PlantParameters) -> None:
+def test_the_model_is_one_tree_and_moves_at_the_joints_of_the_topic(plant: Plant) -> None:
     model = ET.fromstring(urdf(plant))
     links = {link.attrib['name'] for link in model.findall('link')}
     ends = [
@@ -206,7 +207,7 @@ def test_the_limits_of_the_model_hold_a_recorded_motion(bag: Path) -> None:
 
 
 @pytest.fixture
-def body(plant: PlantParameters) -> Any:
+def body(plant: Plant) -> Any:
     """The model as MuJoCo's own URDF parser reads it, with its data."""
     mujoco = pytest.importorskip('mujoco')
     keep = '<mujoco><compiler fusestatic="false" discardvisual="false"/></mujoco></robot>'
@@ -215,7 +216,7 @@ def body(plant: PlantParameters) -> Any:
     return mujoco, model, mujoco.MjData(model)
 
 
-def test_the_tip_of_the_model_is_where_physics_has_it(plant: PlantParameters, body: Any) -> None:
+def test_the_tip_of_the_model_is_where_physics_has_it(plant: Plant, body: Any) -> None:
     mujoco, model, data = body
     for height, angle in ((0.0, 0.0), (0.7, 0.12), (-1.0, -0.4), (1.0, 1.5)):
         data.joint('pivot').qpos = height * plant.amplitude
@@ -225,7 +226,7 @@ def test_the_tip_of_the_model_is_where_physics_has_it(plant: PlantParameters, bo
         assert data.body('tip').xpos == pytest.approx(wanted, abs=1e-9)
 
 
-def test_the_model_moves_as_the_plant_does(plant: PlantParameters, body: Any) -> None:
+def test_the_model_moves_as_the_plant_does(plant: Plant, body: Any) -> None:
     """θ″ = k (g + y″) sin θ needs no torque at the pivot (report, eq. 1)."""
     mujoco, model, data = body
     for angle, lift in ((0.1, 0.0), (-0.7, 300.0), (1.2, -500.0)):
@@ -241,7 +242,7 @@ def test_the_shipped_model_is_what_the_command_prints(kapitsa: Callable[..., Any
     answer = kapitsa('urdf')
     assert answer.status == 0
     assert answer.out == (CONFIG / 'kapitsa.urdf').read_text(encoding='utf-8')
-    assert kapitsa('urdf', '--length', '12in').out == urdf(PlantParameters(length=0.3048))
+    assert kapitsa('urdf', '--length', '12in').out == urdf(Plant(length=0.3048))
 
 
 # Layouts.
@@ -334,10 +335,10 @@ def series() -> set[str]:
     """
     store = get_typestore(Stores.ROS2_JAZZY)
     kind = 'sensor_msgs/msg/JointState'
-    tick = Tick(1, 0)
+    step_id = StepId(1, 0)
     messages = {
-        '/operator/command': store.deserialize_cdr(encode_command(0, tick, Command(200.0, 0.1)), kind),
-        '/strobe/reading': store.deserialize_cdr(encode_strobe(0, tick, StrobeReading(time=0.0, speed=200.0)), kind),
+        '/operator/command': store.deserialize_cdr(encode_command(0, step_id, Command(200.0, 0.1)), kind),
+        '/strobe/reading': store.deserialize_cdr(encode_strobe(0, step_id, StrobeReading(time=0.0, speed=200.0)), kind),
         '/joint_states': JointState(name=JOINTS, position=[0.0, 0.0], velocity=[0.0, 0.0]),
     }
     names = {
@@ -346,7 +347,7 @@ def series() -> set[str]:
         for column in ('position', 'velocity')
         for joint, _ in zip(message.name, getattr(message, column), strict=False)
     }
-    (status,) = progress_message('jigsaw', tick, 0, Pace(1.0)).status
+    (status,) = progress_message('jigsaw', step_id, 0, RealTimePacer(1.0)).status
     return names | {f'/diagnostics/{status.hardware_id}/{status.name}/{pair.key}' for pair in status.values}
 
 
@@ -388,7 +389,7 @@ def test_a_viewer_that_is_not_installed_is_named_with_its_package(
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     monkeypatch.setenv('ROS_DISTRO', 'jazzy')
     with pytest.raises(UsageError, match=rf'^viewer {viewer} needs .*: sudo apt install ros-jazzy-[a-z0-9-]+( |$)'):
-        programs(viewer, PlantParameters())
+        programs(viewer, Plant())
 
 
 def test_installed_viewers_are_started_with_files_that_exist(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -397,7 +398,7 @@ def test_installed_viewers_are_started_with_files_that_exist(tmp_path: Path, mon
     for package in ('robot_state_publisher', 'rviz2', 'plotjuggler', 'plotjuggler_ros', 'foxglove_bridge'):
         (index / package).touch()
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
-    plant = PlantParameters(length=0.3)
+    plant = Plant(length=0.3)
     started = {viewer: {program.package: program for program in programs(viewer, plant)} for viewer in VIEWERS}
     assert {viewer: sorted(names) for viewer, names in started.items()} == {
         'none': [],
@@ -413,4 +414,4 @@ def test_installed_viewers_are_started_with_files_that_exist(tmp_path: Path, mon
 
 def test_an_unknown_viewer_is_refused() -> None:
     with pytest.raises(UsageError, match=r'gazebo.*rviz'):
-        programs('gazebo', PlantParameters())
+        programs('gazebo', Plant())

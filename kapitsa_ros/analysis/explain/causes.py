@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from kapitsa_ros.analysis.explain.timing import timed_period
-from kapitsa_ros.instruments.procedure import standing_ratios
+from kapitsa_ros.instruments.dial_search import standing_ratios
+from kapitsa_ros.instruments.perfect_timing import timed_period
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.table import Readings
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 THREE_EIGHTHS_INCH = 0.009525
 """m; half of a ¾-in stroke."""
 
-Periods: TypeAlias = 'Callable[[PlantParameters, NDArray[np.float64], float], NDArray[np.float64]]'
+Periods: TypeAlias = 'Callable[[Plant, NDArray[np.float64], float], NDArray[np.float64]]'
 """Periods that would be read at speeds (rad/s) for a value of the parameter; nan where nothing could be timed."""
 
 
@@ -37,7 +37,7 @@ class Cause:
     parameter: str
     """What is tuned; empty where nothing is."""
     periods: Periods
-    values: Callable[[PlantParameters, Readings], NDArray[np.float64]]
+    values: Callable[[Plant, Readings], NDArray[np.float64]]
     """Values to try, ascending: the only ones where `discrete`, else a grid over all that could be."""
     discrete: bool = False
     tuned: int = 1
@@ -46,7 +46,7 @@ class Cause:
     """Value below which there is none by its nature."""
 
 
-def small_swing(plant: PlantParameters, speed: float) -> float:
+def small_swing(plant: Plant, speed: float) -> float:
     """Return the period of a small swing by exact linear theory, s; nan where there is none."""
     try:
         slow = slow_frequency_exact(plant, speed)
@@ -55,14 +55,14 @@ def small_swing(plant: PlantParameters, speed: float) -> float:
     return 2.0 * math.pi / slow if slow else math.nan
 
 
-def _wide_swing(plant: PlantParameters, speed: float, release: float) -> float:
+def _wide_swing(plant: Plant, speed: float, release: float) -> float:
     try:
         return 2.0 * math.pi / slow_frequency_nonlinear(plant, speed, release)
     except PhysicsError:
         return math.nan
 
 
-def _theory(plant: PlantParameters, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _theory(plant: Plant, speeds: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array([small_swing(plant, float(speed)) for speed in speeds])
 
 
@@ -76,34 +76,34 @@ def _of_run(name: str) -> Periods:
     )
 
 
-def _over(low: float, high: float, count: int) -> Callable[[PlantParameters, Readings], NDArray[np.float64]]:
+def _over(low: float, high: float, count: int) -> Callable[[Plant, Readings], NDArray[np.float64]]:
     return lambda _plant, _readings: np.linspace(low, high, count)
 
 
-def _strokes(plant: PlantParameters, _readings: Readings) -> NDArray[np.float64]:
+def _strokes(plant: Plant, _readings: Readings) -> NDArray[np.float64]:
     return plant.amplitude * np.geomspace(0.3, 3.0, 60)
 
 
-def _dampings(_plant: PlantParameters, readings: Readings) -> NDArray[np.float64]:
+def _dampings(_plant: Plant, readings: Readings) -> NDArray[np.float64]:
     # three swings are seen in the report: c may not take more than 19/20 of the swing over three periods
     return np.linspace(0.0, 2.0 * math.log(20.0) / (3.0 * readings.period.max()), 20)
 
 
-def _plays(plant: PlantParameters, _readings: Readings) -> NDArray[np.float64]:
+def _plays(plant: Plant, _readings: Readings) -> NDArray[np.float64]:
     return np.linspace(0.0, 0.1 * plant.amplitude, 9)
 
 
-def _miscounts(_plant: PlantParameters, _readings: Readings) -> NDArray[np.float64]:
+def _miscounts(_plant: Plant, _readings: Readings) -> NDArray[np.float64]:
     swings = np.arange(1, 11)
     return np.unique(np.concatenate(((swings + 1) / swings, swings / (swings + 1))))
 
 
-def _aliases(_plant: PlantParameters, _readings: Readings) -> NDArray[np.float64]:
+def _aliases(_plant: Plant, _readings: Readings) -> NDArray[np.float64]:
     # a flash rate of r·ω, halved, reads r/2 of the speed: five images are the most that are bright enough
     return np.array([float(ratio / 2) for ratio in standing_ratios(0.5, 5.0, 5) if ratio != 2])
 
 
-def _nothing(_plant: PlantParameters, _readings: Readings) -> NDArray[np.float64]:
+def _nothing(_plant: Plant, _readings: Readings) -> NDArray[np.float64]:
     return np.zeros(1)
 
 

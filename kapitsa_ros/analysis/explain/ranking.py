@@ -10,7 +10,7 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.stats import chi2
 
-from kapitsa_ros.analysis.critical.errors_in_variables import RISE_95
+from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.explain.causes import CAUSES
 from kapitsa_ros.analysis.table import require_two_speeds
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.analysis.explain.causes import Cause
     from kapitsa_ros.analysis.table import Readings
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 SUPPORT = 2.0
 """Explanations within this of the best AIC have substantial support (Burnham & Anderson, Model Selection, 2.6)."""
@@ -50,7 +50,7 @@ class Explanation:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Verdict:
+class Ranking:
     """What a table says of all causes."""
 
     explanations: tuple[Explanation, ...]
@@ -60,7 +60,7 @@ class Verdict:
     warnings: tuple[str, ...]
 
 
-def explain(readings: Readings, plant: PlantParameters, causes: Sequence[Cause] = CAUSES) -> Verdict:
+def explain(readings: Readings, plant: Plant, causes: Sequence[Cause] = CAUSES) -> Ranking:
     """Fit every cause alone and rank them by Akaike's information criterion, χ² + 2 for each parameter tuned.
 
     Raises
@@ -79,14 +79,14 @@ def explain(readings: Readings, plant: PlantParameters, causes: Sequence[Cause] 
     supported = tuple(
         fitted[index].name for index in order if fitted[index].fits and criteria[index] - criteria.min() <= SUPPORT
     )
-    return Verdict(
+    return Ranking(
         explanations=ranked,
         indistinguishable=supported if len(supported) > 1 else (),
         warnings=_warnings(readings, ranked),
     )
 
 
-def _fit(cause: Cause, readings: Readings, plant: PlantParameters) -> Explanation:
+def _fit(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
     def misfit(value: float) -> NDArray[np.float64]:
         return np.asarray(readings.period - cause.periods(plant, readings.forcing, value))
 
@@ -127,7 +127,7 @@ def _fit(cause: Cause, readings: Readings, plant: PlantParameters) -> Explanatio
     )
 
 
-def _effective_sigma(readings: Readings, plant: PlantParameters) -> NDArray[np.float64]:
+def _effective_sigma(readings: Readings, plant: Plant) -> NDArray[np.float64]:
     """Add to the error of each period what the error of its speed does to it, by averaged theory."""
     steepness = (plant.k * plant.amplitude) ** 2 * readings.forcing / (2.0 * readings.slow**2)
     of_speed = np.hypot(steepness * readings.forcing_sigma, _FLOOR)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical.evidence import RULER_SIGMA, dial_sigma
-from kapitsa_ros.analysis.critical.likelihood import DAMPING_SIGMA
+from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA, dial_sigma
+from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
 from kapitsa_ros.physics.errors import PhysicsError
@@ -21,8 +21,9 @@ from kapitsa_ros.units import RPM
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kapitsa_ros.instruments.settings import Instruments, StopwatchSettings
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+    from kapitsa_ros.physics.plant import Plant
 
 NORMAL_95 = 1.959964
 FASTEST = 3000 * RPM
@@ -55,7 +56,7 @@ class Plan:
 
 
 def cheapest_plan(
-    plant: PlantParameters,
+    plant: Plant,
     instruments: Instruments,
     target_percent: float,
     release: float = 0.12,
@@ -93,7 +94,7 @@ def cheapest_plan(
 
 
 def _fewest_repeats(
-    runs: Sequence[Sensitivity], instruments: Instruments, plant: PlantParameters, swings: int, target_percent: float
+    runs: Sequence[Sensitivity], instruments: Instruments, plant: Plant, swings: int, target_percent: float
 ) -> Plan:
     """Return the plan of fewest repeats that reaches the target, or that of most."""
 
@@ -112,7 +113,7 @@ def _fewest_repeats(
 
 
 def expected_percent(
-    runs: Sequence[Sensitivity], instruments: Instruments, plant: PlantParameters, swings: int, repeats: int
+    runs: Sequence[Sensitivity], instruments: Instruments, plant: Plant, swings: int, repeats: int
 ) -> float:
     """Return half the width of the 95 % interval to expect, per cent of the critical speed."""
     press = math.sqrt(_press_variance(instruments.stopwatch) / repeats) / swings
@@ -129,7 +130,7 @@ def _press_variance(stopwatch: StopwatchSettings) -> float:
     return 2.0 * stopwatch.reaction_jitter**2 + stopwatch.display_resolution**2 / 12.0
 
 
-def _candidates(plant: PlantParameters, release: float, fastest: float) -> list[Sensitivity]:
+def _candidates(plant: Plant, release: float, fastest: float) -> list[Sensitivity]:
     try:
         threshold = omega_crit_exact(plant)
     except PhysicsError as error:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.explain.timing import swings_seen
+from kapitsa_ros.instruments.perfect_timing import swings_seen
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.parameters import PlantParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
@@ -46,7 +46,7 @@ class Sensitivity:
         return np.array([self.of_threshold, self.of_amplitude, -self.slowing * waned])
 
 
-def sensitivity(plant: PlantParameters, speed: float, release: float, most_swings: int) -> Sensitivity | None:
+def sensitivity(plant: Plant, speed: float, release: float, most_swings: int) -> Sensitivity | None:
     """Work out what a run at one speed would tell.
 
     Returns
@@ -67,7 +67,7 @@ def sensitivity(plant: PlantParameters, speed: float, release: float, most_swing
 
     def log_period(threshold: float, amplitude: float, speed: float) -> float:
         k = 2.0 * plant.gravity / (amplitude * threshold) ** 2
-        rod = PlantParameters(length=1.5, amplitude=amplitude, gravity=plant.gravity, inertia_factor=k)
+        rod = Plant(length=1.5, amplitude=amplitude, gravity=plant.gravity, inertia_factor=k)
         return -math.log(slow_frequency_exact(rod, speed) or math.nan)
 
     def slope(parameter: int) -> float:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.analysis.explain import Cause
     from kapitsa_ros.analysis.table import Readings
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 SMALL = 0.05
 """rad; a release at which no swing is wide."""
@@ -41,7 +41,7 @@ class Separation:
 
 
 def best_separation(
-    readings: Readings, plant: PlantParameters, first: str, second: str, period_sigma: float = PERIOD_SIGMA
+    readings: Readings, plant: Plant, first: str, second: str, period_sigma: float = PERIOD_SIGMA
 ) -> Separation:
     """Fit both causes to the readings, and find the run whose period they differ on most.
 
@@ -83,7 +83,7 @@ def best_separation(
     return max(options, key=lambda option: option.sigmas)
 
 
-def _periods(cause: Cause, plant: PlantParameters, value: float, release: float | None) -> NDArray[np.float64]:
+def _periods(cause: Cause, plant: Plant, value: float, release: float | None) -> NDArray[np.float64]:
     wide = cause.name == 'large_swing'
     return cause.periods(plant, _SPEEDS, release if wide and release is not None else value)
 

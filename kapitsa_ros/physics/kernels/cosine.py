@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ORDER = 16
-TOO_THICK = -1.0
+TOO_MANY_EVENTS = -1.0
 
 
 @kernel
@@ -58,7 +58,7 @@ def advance_cosine(
     work = np.empty((WORK_ROWS, ORDER + 1))
     load = np.empty(ORDER - 1)
     rhythm = np.empty(ORDER - 1)
-    fill_rhythm(amplitude, speed, step, turns, rhythm)
+    fill_drive_terms(amplitude, speed, step, turns, rhythm)
     weight = plant[GRAVITY] * step * step
     motion[0, 0] = state[ANGLE]
     motion[1, 0] = state[RATE]
@@ -68,7 +68,7 @@ def advance_cosine(
             cosine, sine = at_phase(i * turns, start)
             fill_load(cosine, sine, rhythm, weight, load)
             if not advance_interval(load, 0.0, step, plant, state, work):
-                return TOO_THICK
+                return TOO_MANY_EVENTS
             left_out = max(left_out, abs(work[0, -1]))
         motion[0, sample] = state[ANGLE]
         motion[1, sample] = state[RATE]
@@ -76,7 +76,7 @@ def advance_cosine(
 
 
 @kernel
-def fill_rhythm(amplitude: float, speed: float, step: float, turns: float, rhythm: NDArray[np.float64]) -> None:
+def fill_drive_terms(amplitude: float, speed: float, step: float, turns: float, rhythm: NDArray[np.float64]) -> None:
     """Fill in what the load's coefficients have in common at all phases: h²λω² δⁿ/n!, δ the phase of a step."""
     term = amplitude * (speed * step) ** 2
     for n in range(rhythm.size):

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 # The state; rates per second.
 ANGLE, RATE, MODE, GAP, GAP_RATE, CONTACT, CLEARANCE, IMPACT_ENERGY, RELEASING = range(9)
@@ -25,7 +25,7 @@ PIN_PUSHES_UP, IN_FLIGHT, PIN_PULLS_DOWN = -1.0, 0.0, 1.0
 K, GRAVITY, DAMPING, COULOMB, RESTITUTION, STOP, WEAR, FAILURE_CLEARANCE, LINEAR = range(9)
 
 
-def constants(plant: PlantParameters, *, stop: float, linear: bool) -> NDArray[np.float64]:
+def constants(plant: Plant, *, stop: float, linear: bool) -> NDArray[np.float64]:
     """Lay out the constants of a plant."""
     return np.array(
         [

@@ -9,17 +9,7 @@ import numpy as np
 
 from kapitsa_ros.physics.kernels.hermite import acceleration_series
 from kapitsa_ros.physics.kernels.jit import kernel
-from kapitsa_ros.physics.kernels.layout import (
-    ANGLE,
-    COULOMB,
-    DAMPING,
-    GRAVITY,
-    HELD,
-    MODE,
-    MOVING,
-    RATE,
-    RELEASING,
-)
+from kapitsa_ros.physics.kernels.layout import ANGLE, COULOMB, DAMPING, GRAVITY, HELD, MODE, MOVING, RATE, RELEASING
 from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval, torque
 from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
 from kapitsa_ros.physics.kernels.series import value
@@ -32,7 +22,7 @@ COARSEST = 1e-7  # highest coefficient over the sum: keeps 1e-9 rad over ten sec
 ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into that coefficient
 LEFT_OUT = 1e-11  # rad, the last term of the angle's series
 ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
-DONE, TOO_COARSE, TOO_THICK, TOO_WILD = range(4)
+DONE, TOO_COARSE, TOO_MANY_EVENTS, TOO_FAST = range(4)
 
 
 @kernel
@@ -81,9 +71,9 @@ def advance_block(
             start = _release(period * pivot[1, i], load[i], state)
         load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
-            return TOO_THICK
+            return TOO_MANY_EVENTS
         if not abs(work[0, -1]) <= LEFT_OUT:
-            return TOO_WILD
+            return TOO_FAST
         at_end = load[i + 1, 0] + weight if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
     return DONE

@@ -4,6 +4,7 @@ SciPy's rooms are reached through `scipy` itself, which loads them at first use:
 """
 
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_frequency_averaged
+from kapitsa_ros.physics.theory.comparison import TheoryResult, compare_theories
 from kapitsa_ros.physics.theory.expansion import omega_crit_next_order, slow_frequency_next_order
 from kapitsa_ros.physics.theory.floquet import (
     growth_rate,
@@ -20,7 +21,6 @@ from kapitsa_ros.physics.theory.friction import (
     equivalent_damping,
     stuck_zone,
 )
-from kapitsa_ros.physics.theory.ladder import Rung, ladder
 from kapitsa_ros.physics.theory.large_swings import slow_frequency_large, slow_start, slow_swing
 from kapitsa_ros.physics.theory.mathieu import (
     boundary_perturbed,
@@ -32,25 +32,25 @@ from kapitsa_ros.physics.theory.mathieu import (
 )
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.physics.theory.play import effective_amplitude, slow_frequency_with_play
-from kapitsa_ros.physics.theory.spectrum import sidebands
+from kapitsa_ros.physics.theory.sidebands import sidebands
 from kapitsa_ros.physics.theory.stability import StabilityMap, stability_map
 
 __all__ = [
-    'Rung',
     'StabilityMap',
+    'TheoryResult',
     'amplitude_loss',
     'boundary_perturbed',
     'buzz_angle',
     'characteristic_a0',
     'characteristic_a1',
     'characteristic_b1',
+    'compare_theories',
     'dither_ratio',
     'dithered_factor',
     'effective_amplitude',
     'equivalent_damping',
     'growth_rate',
     'is_stable',
-    'ladder',
     'mathieu_a',
     'mathieu_q',
     'omega_crit_averaged',

@@ -6,15 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 
-def omega_crit_averaged(plant: PlantParameters) -> float:
+def omega_crit_averaged(plant: Plant) -> float:
     """Return the critical speed, rad/s: √(2g/k)/λ, which is (2/λ)√(gL/3) for the rod (report, eq. 8)."""
     return math.sqrt(2.0 * plant.gravity / plant.k) / plant.amplitude
 
 
-def slow_frequency_averaged(plant: PlantParameters, speed: float) -> float | None:
+def slow_frequency_averaged(plant: Plant, speed: float) -> float | None:
     """Return Ω, rad/s: Ω² = k²λ²ω²/2 − kg, which is 9λ²ω²/(8L²) − 3g/(2L) for the rod (report, eq. 15).
 
     Parameters

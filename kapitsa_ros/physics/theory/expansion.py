@@ -15,7 +15,7 @@ from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_freque
 from kapitsa_ros.physics.theory.mathieu import mathieu_a, mathieu_q
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 
 def characteristic_series(nu_squared: float, q: float) -> float:
@@ -24,7 +24,7 @@ def characteristic_series(nu_squared: float, q: float) -> float:
     return nu_squared + q**2 / (2.0 * near) + (5.0 * nu_squared + 7.0) * q**4 / (32.0 * near**3 * far)
 
 
-def omega_crit_next_order(plant: PlantParameters) -> float:
+def omega_crit_next_order(plant: Plant) -> float:
     """Return the critical speed with damping, rad/s; its expansion begins √(ω_crit² + c²)."""
     q = mathieu_q(plant)
 
@@ -36,7 +36,7 @@ def omega_crit_next_order(plant: PlantParameters) -> float:
     return float(scipy.optimize.brentq(excess, 0.5 * averaged, 2.0 * averaged, rtol=1e-14))
 
 
-def slow_frequency_next_order(plant: PlantParameters, speed: float) -> float | None:
+def slow_frequency_next_order(plant: Plant, speed: float) -> float | None:
     """Return Ω with damping, rad/s; None where the averaged equation has none."""
     averaged = slow_frequency_averaged(plant, speed)
     if averaged is None:

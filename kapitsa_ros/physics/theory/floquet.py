@@ -17,14 +17,14 @@ from kapitsa_ros.physics.kernels.mathieu import half_period
 from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic_a1, characteristic_b1, mathieu_q
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 LONGEST_FALL = 1e4  # of √−a: a turn would multiply the fall by e^(πLONGEST_FALL), beyond any double
 MOST_DAMPED = 350.0  # sinh² of more is beyond any double
 _TOLERANCE = 4.0 * np.finfo(float).eps
 
 
-def omega_crit_exact(plant: PlantParameters) -> float:
+def omega_crit_exact(plant: Plant) -> float:
     """Return the speed from which the upright rod is stable, rad/s: a multiplier leaves +1 inwards."""
     q = mathieu_q(plant)
     undamped = math.sqrt(-characteristic_a0(q)) / _stiffness(plant)
@@ -42,7 +42,7 @@ def omega_crit_exact(plant: PlantParameters) -> float:
     return 1.0 / float(scipy.optimize.brentq(excess, 0.99 * undamped, further, xtol=1e-300, rtol=_TOLERANCE))
 
 
-def omega_crit_upper(plant: PlantParameters) -> float | None:
+def omega_crit_upper(plant: Plant) -> float | None:
     """Return the speed from which the upright rod is unstable again, rad/s: a multiplier leaves through −1.
 
     Returns
@@ -71,7 +71,7 @@ def omega_crit_upper(plant: PlantParameters) -> float | None:
     return 1.0 / float(scipy.optimize.brentq(excess, unstable, stable, xtol=1e-300, rtol=_TOLERANCE))
 
 
-def slow_frequency_exact(plant: PlantParameters, speed: float) -> float | None:
+def slow_frequency_exact(plant: Plant, speed: float) -> float | None:
     """Return Ω, rad/s: the angle of the Floquet multipliers over the forcing period.
 
     Returns
@@ -86,7 +86,7 @@ def slow_frequency_exact(plant: PlantParameters, speed: float) -> float | None:
     return speed / math.pi * math.asin(math.sqrt(min(sine, 1.0)))
 
 
-def growth_rate(plant: PlantParameters, speed: float) -> float:
+def growth_rate(plant: Plant, speed: float) -> float:
     """Return the rate at which the slow motion grows, 1/s (negative: decays): ln of the larger multiplier over T."""
     less_one, plus_one = _half_trace(plant, speed)
     period = 2.0 * math.pi / speed
@@ -98,12 +98,12 @@ def growth_rate(plant: PlantParameters, speed: float) -> float:
     return spread / period - 0.5 * plant.damping
 
 
-def is_stable(plant: PlantParameters, speed: float) -> bool:
+def is_stable(plant: Plant, speed: float) -> bool:
     """Tell whether the upright rod stays up: no multiplier lies outside the unit circle."""
     return growth_rate(plant, speed) <= 0
 
 
-def _half_trace(plant: PlantParameters, speed: float) -> tuple[float, float]:
+def _half_trace(plant: Plant, speed: float) -> tuple[float, float]:
     """Return (D − 1)/2 and (D + 1)/2."""
     if not 0 < speed < math.inf:
         raise ParameterError(f'speed is {speed} rad/s: give a finite speed above 0')
@@ -113,7 +113,7 @@ def _half_trace(plant: PlantParameters, speed: float) -> tuple[float, float]:
     return r1 * x2, x1 * r2
 
 
-def _normal_solutions(plant: PlantParameters, inverse_speed: float) -> tuple[float, float, float, float]:
+def _normal_solutions(plant: Plant, inverse_speed: float) -> tuple[float, float, float, float]:
     rate = _stiffness(plant) * inverse_speed
     if rate > LONGEST_FALL:
         raise PhysicsError(
@@ -122,7 +122,7 @@ def _normal_solutions(plant: PlantParameters, inverse_speed: float) -> tuple[flo
     return half_period(-rate * rate, mathieu_q(plant))
 
 
-def _grip(plant: PlantParameters, inverse_speed: float) -> float:
+def _grip(plant: Plant, inverse_speed: float) -> float:
     """Return sinh²(πc/2ω): what damping allows half the trace beyond ±1, halved."""
     exponent = 0.5 * math.pi * plant.damping * inverse_speed
     if exponent > MOST_DAMPED:
@@ -130,6 +130,6 @@ def _grip(plant: PlantParameters, inverse_speed: float) -> float:
     return math.sinh(exponent) ** 2
 
 
-def _stiffness(plant: PlantParameters) -> float:
+def _stiffness(plant: Plant) -> float:
     """Return √(4kg + c²): w of the damped rod has a = −(4kg + c²)/ω²."""
     return math.sqrt(4.0 * plant.k * plant.gravity + plant.damping**2)

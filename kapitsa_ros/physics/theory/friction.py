@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING
 import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.release import Release
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 SETTLING_TURNS = 4000
 
 
-def equivalent_damping(plant: PlantParameters, speed: float, swing: float) -> float:
+def equivalent_damping(plant: Plant, speed: float, swing: float) -> float:
     """Return the viscous coefficient of dithered friction at small slow velocities, 1/s: 2f/(πkλω|θ₁|).
 
     For the rod that is 4Lf/(3πλω|θ₁|) (report, eq. 21, with its φ for f). The condition, |θ₁′| ≪ kλω|θ₁| (eq. 22),
@@ -27,7 +27,7 @@ def equivalent_damping(plant: PlantParameters, speed: float, swing: float) -> fl
     return 2.0 * plant.coulomb / (math.pi * plant.k * plant.amplitude * speed * abs(swing))
 
 
-def dither_ratio(plant: PlantParameters, speed: float) -> float:
+def dither_ratio(plant: Plant, speed: float) -> float:
     """Return r, the largest slow velocity over the largest fast one: Ω/(kλω) (report, eq. 22)."""
     slow = slow_frequency_exact(plant, speed)
     if slow is None:
@@ -48,19 +48,19 @@ def dithered_factor(ratio: float) -> float:
     return 8.0 / math.pi * sliding + 4.0 * math.cos(saturated)
 
 
-def amplitude_loss(plant: PlantParameters, speed: float) -> float:
+def amplitude_loss(plant: Plant, speed: float) -> float:
     """Return what Coulomb friction takes from the slow amplitude in a slow period, rad: f K/Ω² at any amplitude."""
     ratio = dither_ratio(plant, speed)
     slow = ratio * plant.k * plant.amplitude * speed
     return plant.coulomb * dithered_factor(ratio) / slow**2
 
 
-def stuck_zone(plant: PlantParameters, speed: float) -> float:
+def stuck_zone(plant: Plant, speed: float) -> float:
     """Return θ_s = f/(k(g + λω²)), rad: within it the rod sticks for good."""
     return plant.coulomb / (plant.k * (plant.gravity + plant.amplitude * speed**2))
 
 
-def buzz_angle(plant: PlantParameters, speed: float) -> float:
+def buzz_angle(plant: Plant, speed: float) -> float:
     """Return the off-upright angle at which a swing ends, rad, seen at the bottom of the stroke.
 
     From outside, the rod does not reach the stuck zone: it is left sliding to and fro. The motion near upright scales

@@ -16,17 +16,17 @@ from kapitsa_ros.physics.theory.averaged import slow_frequency_averaged
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 
-def slow_start(plant: PlantParameters, speed: float, release: float, phase: float = 0.0) -> tuple[float, float]:
+def slow_start(plant: Plant, speed: float, release: float, phase: float = 0.0) -> tuple[float, float]:
     """Return θ₁ and θ₁′ of a rod released at rest, from θ = θ₁ (1 − kλ cos(ωt + p)) (report, eq. 12)."""
     swing = plant.k * plant.amplitude
     angle = release / (1.0 - swing * math.cos(phase))
     return angle, -angle * swing * speed * math.sin(phase) / (1.0 - swing * math.cos(phase))
 
 
-def slow_swing(plant: PlantParameters, speed: float, release: float, phase: float = 0.0) -> float:
+def slow_swing(plant: Plant, speed: float, release: float, phase: float = 0.0) -> float:
     """Return the amplitude of the slow motion of a rod released at rest, rad; mid-stroke releases swing the farthest.
 
     Raises
@@ -47,7 +47,7 @@ def slow_swing(plant: PlantParameters, speed: float, release: float, phase: floa
     return math.acos(turning)
 
 
-def slow_frequency_large(plant: PlantParameters, speed: float, amplitude: float) -> float | None:
+def slow_frequency_large(plant: Plant, speed: float, amplitude: float) -> float | None:
     """Return Ω of slow swings of a given amplitude, rad/s: the exact small-swing value times the potential's softening.
 
     Parameters

@@ -20,15 +20,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 
-def mathieu_a(plant: PlantParameters, speed: float) -> float:
+def mathieu_a(plant: Plant, speed: float) -> float:
     """Return a = −4kg/ω², which is −6g/(ω²L) for the rod (report, eq. 5)."""
     return -4.0 * plant.k * plant.gravity / speed**2
 
 
-def mathieu_q(plant: PlantParameters) -> float:
+def mathieu_q(plant: Plant) -> float:
     """Return q = 2kλ, which is 3λ/L for the rod (report, eq. 6, where the sign is only a phase)."""
     return 2.0 * plant.k * plant.amplitude
 

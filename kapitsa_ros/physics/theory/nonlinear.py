@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
-from kapitsa_ros.physics.simulation import Release
+from kapitsa_ros.physics.release import Release
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
-from kapitsa_ros.physics.theory.slow import mean_turn, slow_amplitude
+from kapitsa_ros.physics.theory.floquet_amplitude import mean_turn, slow_amplitude
 
 if TYPE_CHECKING:
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 SWINGS = 40
 FEWEST_TURNS = 400
 MOST_TURNS = 40_000
 
 
-def slow_frequency_nonlinear(plant: PlantParameters, speed: float, release: float, phase: float = 0.0) -> float:
+def slow_frequency_nonlinear(plant: Plant, speed: float, release: float, phase: float = 0.0) -> float:
     """Return Ω of the frictionless rod let go at rest, rad/s.
 
     The orbit of the stroboscopic map lies on a closed curve round upright; Ω is its mean angle a turn over the forcing

@@ -20,7 +20,7 @@ from kapitsa_ros.physics.theory.mathieu import mathieu_q
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from kapitsa_ros.physics.parameters import PlantParameters
+    from kapitsa_ros.physics.plant import Plant
 
 PROMISED = 1e-10
 NODES = 18
@@ -38,7 +38,7 @@ class StabilityMap:
     """|D| ≤ cosh(πc/ω): both multipliers within the unit circle."""
 
 
-def stability_map(plant: PlantParameters, speeds: ArrayLike, amplitudes: ArrayLike) -> StabilityMap:
+def stability_map(plant: Plant, speeds: ArrayLike, amplitudes: ArrayLike) -> StabilityMap:
     """Map upright stability.
 
     Parameters

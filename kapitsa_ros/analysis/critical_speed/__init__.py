@@ -1,0 +1,20 @@
+"""The critical speed with its interval, from tables and from runs."""
+
+from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, direct_fit
+from kapitsa_ros.analysis.critical_speed.errors_in_variables import LineFit, errors_in_variables
+from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler, evidence_of
+from kapitsa_ros.analysis.critical_speed.from_motion import evidence_from_motion
+from kapitsa_ros.analysis.critical_speed.true_threshold import true_threshold
+
+__all__ = [
+    'Bound',
+    'CriticalSpeed',
+    'Evidence',
+    'LineFit',
+    'Ruler',
+    'direct_fit',
+    'errors_in_variables',
+    'evidence_from_motion',
+    'evidence_of',
+    'true_threshold',
+]

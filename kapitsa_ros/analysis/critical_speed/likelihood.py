@@ -1,0 +1,112 @@
+"""How well a plant explains the evidence: the residuals whose squares add up to −2 ln of the likelihood."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.special import exprel, log_ndtr
+
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler
+
+DAMPING_SIGMA = 0.5
+"""1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
+
+_FLOOR = 1e-5  # relative error below which no reading is trusted
+_NO_SWING = 1e-3  # rad/s, stands for no slow frequency at all
+
+
+class Likelihood:
+    """Residuals as a function of the averaged threshold √(2g/k)/λ, the amplitude λ and the damping c.
+
+    Damping hardly changes the frequency; it narrows the swing while it is timed, and a narrow swing is a faster one.
+    """
+
+    def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float) -> None:
+        self._evidence = evidence
+        self.ruler = ruler
+        """What is known of λ."""
+        self.discrepancy = 0.0
+        """Relative error of the model's periods, to be added to the stated errors."""
+        self._gravity = gravity
+        self._slowing = np.zeros_like(evidence.timed.period)
+
+    def plant(self, threshold: float, amplitude: float, damping: float) -> Plant:
+        """Return the plant of these parameters; its length is nominal, the inertia factor makes up for it.
+
+        Ω hangs on c² alone; a fit that strays below c = 0 on its way is not stopped there.
+        """
+        k = 2.0 * self._gravity / (amplitude * threshold) ** 2
+        return Plant(length=1.5, amplitude=amplitude, gravity=self._gravity, damping=abs(damping), inertia_factor=k)
+
+    def first_guess(self) -> float:
+        """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""
+        timed, amplitude = self._evidence.timed, self.ruler.amplitude
+        stroke = (amplitude * timed.forcing) ** 2
+        k = (self._gravity + np.sqrt(self._gravity**2 + 2.0 * stroke * timed.slow**2)) / stroke
+        return float(np.median(np.sqrt(2.0 * self._gravity / k) / amplitude))
+
+    def correct_for_width(self, threshold: float, amplitude: float) -> None:
+        """Find by how much the swing as released is slower than a small one."""
+        plant = self.plant(threshold, amplitude, 0.0)
+        runs = zip(self._evidence.timed.forcing.tolist(), self._evidence.release.tolist(), strict=True)
+        for index, (speed, release) in enumerate(runs):
+            try:
+                wide = slow_frequency_nonlinear(plant, speed, release)
+            except PhysicsError:
+                continue  # this plant falls, or nobody let go: the swing is left as it is
+            self._slowing[index] = 1.0 - wide / _frequency(plant, speed)
+
+    def residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
+        """Return them for the timed runs, the falls and stands, the ruler and the damping."""
+        timed = self._evidence.timed
+        plant = self.plant(threshold, amplitude, damping)
+        small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
+        slow = small * (1.0 - self._slowing * self._wane(damping))
+        steepness = (plant.k * plant.amplitude) ** 2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
+        floor = _FLOOR**2 + self.discrepancy**2
+        sigma = timed.period * np.sqrt(
+            (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + floor
+        )
+        exact = threshold * (1.0 + 7.0 / 128.0 * (2.0 * plant.k * amplitude) ** 2)  # the next term of a₀(q), DLMF 28.6
+        return np.concatenate(
+            (
+                (timed.period - 2.0 * math.pi / slow) / sigma,
+                self._bounds(exact),
+                ((amplitude - self.ruler.amplitude) / self.ruler.sigma, damping / DAMPING_SIGMA),
+            )
+        )
+
+    def _wane(self, damping: float) -> NDArray[np.float64]:
+        """Return the mean of A²/A₀² between the first press, ¾ of a period after the release, and the last."""
+        first = damping * 0.75 * self._evidence.timed.period
+        timed = damping * self._evidence.swings * self._evidence.timed.period
+        return np.asarray(np.exp(-first) * exprel(-timed))
+
+    def _bounds(self, threshold: float) -> list[float]:
+        """Weigh falls and stands; a wide release falls a little above the threshold, out of the effective well."""
+        fell = [
+            _one_sided_residual(threshold / math.sqrt(math.cos(bound.release)) - bound.speed, bound)
+            for bound in self._evidence.fell
+        ]
+        return fell + [_one_sided_residual(bound.speed - threshold, bound) for bound in self._evidence.stood]
+
+
+def _one_sided_residual(margin: float, bound: Bound) -> float:
+    return math.sqrt(-2.0 * float(log_ndtr(margin / max(bound.sigma, _FLOOR * bound.speed))))
+
+
+def _frequency(plant: Plant, speed: float) -> float:
+    try:
+        return slow_frequency_exact(plant, speed) or _NO_SWING
+    except PhysicsError:  # so far below the threshold that no swing can be meant
+        return _NO_SWING

@@ -1,0 +1,42 @@
+"""Passages through upright, numbered and timed."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate
+
+if TYPE_CHECKING:
+    from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
+
+
+def zero_crossing_frequency(record: SwingRecord) -> SlowEstimate:
+    """Draw a line through the times of the passages over their numbers; its slope is half a period.
+
+    The passages are those of the drive-nulled motion; the error comes of their scatter about the line.
+
+    Raises
+    ------
+    AnalysisError
+        Fewer than two passages.
+
+    """
+    times, angle = record.drive_nulled()
+    index = np.flatnonzero(np.signbit(angle[1:]) != np.signbit(angle[:-1]))
+    if index.size < 2:
+        raise AnalysisError(f'{index.size} passage(s) through upright: record for longer')
+    before, after = angle[index], angle[index + 1]
+    passages = times[index] + (times[index + 1] - times[index]) * before / (before - after)
+    number = np.arange(passages.size) - 0.5 * (passages.size - 1)
+    spread = float(number @ number)
+    half = float(number @ passages) / spread
+    value = math.pi / half
+    if passages.size == 2:
+        return SlowEstimate(value=value, sigma=math.nan)
+    scatter = passages - passages.mean() - half * number
+    half_sigma = math.sqrt(float(scatter @ scatter) / (passages.size - 2) / spread)
+    return SlowEstimate(value=value, sigma=value * half_sigma / half)

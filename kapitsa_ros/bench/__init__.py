@@ -1,0 +1,1 @@
+"""The bench: a person works the rig in a terminal."""

@@ -1,0 +1,357 @@
+"""The bench on a terminal: keys in, panels out."""
+
+from __future__ import annotations
+
+import asyncio
+import signal
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING, ClassVar
+
+from textual.app import App, ComposeResult
+from textual.containers import Horizontal, Vertical
+from textual.message import Message
+from textual.screen import ModalScreen
+from textual.widgets import Footer, Input, Static
+
+from kapitsa_ros.bench import panels
+from kapitsa_ros.bench.bench_state import FASTEST, BenchState
+from kapitsa_ros.bench.help_text import HELP
+from kapitsa_ros.bench.keys import KEYS
+from kapitsa_ros.bench.rig_worker import RigWorker
+from kapitsa_ros.instruments.errors import InstrumentError
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.units import RPM, parse_angle, parse_speed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rich.text import Text
+    from textual import events
+    from textual.binding import BindingType
+
+    from kapitsa_ros.rig.harness import Rig
+    from kapitsa_ros.ros.rig_client import News
+
+WIDTH, HEIGHT = 80, 24
+"""Smallest terminal, characters."""
+_PICTURES = 20.0
+"""A second."""
+_PATIENCE = 5.0
+"""Wall seconds given to the run to end."""
+_SLOWEST, _FASTEST = 1 / 8, 32.0
+_QUESTIONS = {
+    'speed': 'speed of the shaft (2240, 37.3Hz, 234rad/s): ',
+    'dial': 'dial of the lamp, flashes a minute (4480, 75Hz): ',
+    'angle': 'release angle (0.12, 7deg): ',
+}
+
+
+class _Callback(Message):
+    """From the thread that works the rig."""
+
+    def __init__(self, act: Callable[[], None]) -> None:
+        super().__init__()
+        self.act = act
+
+
+class _Help(ModalScreen[None]):
+    """Goes at any key."""
+
+    DEFAULT_CSS = """
+    _Help { align: center middle; }
+    _Help Static { width: 74; height: auto; border: round $primary; padding: 0 1; background: $surface; }
+    """
+
+    def compose(self) -> ComposeResult:
+        yield Static(HELP, markup=False)
+
+    def on_key(self, event: events.Key) -> None:
+        event.stop()
+        self.dismiss()
+
+
+class BenchApp(App[RigError]):
+    """The bench; it returns the error of a rig that died.
+
+    Parameters
+    ----------
+    rig
+        Started with the protocol `manual`; the screen alone uses it while it runs.
+    desk
+        Of this rig.
+    title
+        What is on the bench.
+
+    """
+
+    ENABLE_COMMAND_PALETTE = False
+    AUTO_FOCUS = None
+    CSS = """
+    #bench { height: 1fr; }
+    #status { height: 1; background: $primary-background; }
+    #seen { height: 1fr; }
+    #read { height: 8; }
+    #rod, #marks, #knobs, #mine, #crew { border: round $primary; padding: 0 1; height: 100%; }
+    #rod { width: 1fr; }
+    #marks { width: 22; }
+    #knobs { width: 36; }
+    #mine { width: 36; }
+    #crew { width: 1fr; }
+    #messages { height: 3; padding: 0 1; color: $warning; }
+    #question { height: 1; }
+    #question Static { width: auto; padding: 0 0 0 1; }
+    #question Input { border: none; height: 1; width: 1fr; padding: 0; }
+    #small { display: none; }
+    .small #bench { display: none; }
+    .small #small { display: block; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = KEYS
+
+    def __init__(self, rig: Rig, state: BenchState, title: str) -> None:
+        super().__init__()
+        self.title = title
+        self.state = state
+        self.hung_up = False
+        """Whether the terminal was closed."""
+        self._worker = RigWorker(rig, self)
+        self._asked: str | None = None
+        """What is being typed; None: keys are knobs."""
+        self._leaving = False
+        self._shown: dict[str, Text] = {}
+
+    def compose(self) -> ComposeResult:
+        """Lay the panels out."""
+        with Vertical(id='bench'):
+            yield Static(id='status')
+            with Horizontal(id='seen'):
+                yield _panel('rod', 'the pendulum')
+                yield _panel('marks', 'under the lamp')
+                yield _panel('knobs', 'your hands')
+            with Horizontal(id='read'):
+                yield _panel('mine', 'your table')
+                yield _panel('crew', "the rig's own crew reads")
+            yield Static(id='messages')
+            with Horizontal(id='question'):
+                yield Static(id='asked')
+                yield Input(id='answer')
+        yield Static(id='small')
+        yield Footer()
+
+    def on_mount(self) -> None:
+        """Begin to listen, and to draw."""
+        self.query_one('#question').display = False
+        self.query_one('#small', Static).update(f'the bench needs {WIDTH} columns and {HEIGHT} lines')
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            loop.add_signal_handler(number, self.exit)
+        loop.add_signal_handler(signal.SIGHUP, self._hang_up)
+        self.state.notify('? explains the keys')
+        self._worker.start()
+        self.set_interval(1 / _PICTURES, self._draw)
+
+    def on_unmount(self) -> None:
+        """Let go of the rig."""
+        self._worker.stop()
+
+    def on_resize(self, event: events.Resize) -> None:
+        """Say so where there is too little room."""
+        self.screen_stack[0].set_class(event.size.width < WIDTH or event.size.height < HEIGHT, 'small')
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:  # noqa: ARG002
+        """Let questions, whose keys go before all others so that no digit is lost, leave letters to what is typed."""
+        return action != 'ask' or (self._asked is None and len(self.screen_stack) == 1)
+
+    def receive(self, news: list[News], wall: float) -> None:
+        """Take news from the thread that works the rig."""
+        self._post(lambda: self.state.receive(news, wall))
+
+    def receive_refusal(self, why: str) -> None:
+        """Take from the same thread that something could not be done."""
+        self._post(lambda: self.state.notify(why))
+
+    def receive_failure(self, error: RigError) -> None:
+        """Take from the same thread that it is over."""
+        self._post(lambda: self.exit(error))
+
+    def action_speed(self, change: int) -> None:
+        """Ask for another speed."""
+        self._ask_speed(min(max(self.state.speed + change, 0.0), float(FASTEST)))
+
+    def action_touch(self, count: int) -> None:
+        """Turn the dial by a touch."""
+        self.state.turn_dial(self.state.dial + count * self.state.touch)
+
+    def action_dial(self, change: int) -> None:
+        """Turn the dial."""
+        self.state.turn_dial(self.state.dial + change)
+
+    def action_images(self, count: int) -> None:
+        """Note how many images are seen."""
+        self.state.images = count
+
+    def action_release(self) -> None:
+        """Have the pendulum caught and let go."""
+        angle = self.state.release
+        self._order(lambda rig: rig.release(angle), lambda: self.state.notify(f'released from {angle:.4g} rad'))
+
+    def action_watch(self) -> None:
+        """Press the stopwatch."""
+        self.state.press_watch(self._now())
+
+    def action_clear(self) -> None:
+        """Set the stopwatch to zero."""
+        self.state.watch.clear()
+
+    def action_swings(self, change: int) -> None:
+        """Note how many swings are timed."""
+        self.state.swings = max(1, self.state.swings + change)
+
+    def action_write_down(self) -> None:
+        """Write a line into the table."""
+        self.state.write_down(self._now())
+
+    def action_strike_out(self) -> None:
+        """Strike out the last line."""
+        self.state.strike_out()
+
+    def action_pause(self) -> None:
+        """Stop time, or let it run."""
+        paused = not self.state.paused
+
+        def then() -> None:
+            self.state.set_paused(paused=paused)
+
+        self._order((lambda rig: rig.pause()) if paused else (lambda rig: rig.resume()), then)
+
+    def action_step(self) -> None:
+        """Make one step of a paused rig."""
+        self._order(lambda rig: rig.step())
+
+    def action_pace(self, factor: float) -> None:
+        """Change the pace of time."""
+        rate = min(max(factor * (self.state.clock.rate or 2 * _FASTEST), _SLOWEST), _FASTEST)
+
+        def then() -> None:
+            self.state.clock.rate = rate
+
+        self._order(lambda rig: rig.set_rate(rate), then)
+
+    def action_new_run(self) -> None:
+        """End the run and begin the next."""
+        if self._order(lambda rig: rig.reset()):
+            self.state.set_speed(0.0)
+
+    def action_guide(self) -> None:
+        """Explain the keys."""
+        self.push_screen(_Help())
+
+    def action_ask(self, what: str) -> None:
+        """Let something be typed."""
+        self._asked = what
+        self.query_one('#asked', Static).update(_QUESTIONS[what])
+        answer = self.query_one('#answer', Input)
+        answer.value = ''
+        self.query_one('#question').display = True
+        self.set_focus(answer)
+
+    def action_answer_nothing(self) -> None:
+        """Leave a question open."""
+        self._asked = None
+        self.query_one('#question').display = False
+        self.set_focus(None)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Do what was typed, or say why not."""
+        asked, typed = self._asked, event.value.strip()
+        self.action_answer_nothing()
+        if not typed:
+            return
+        try:
+            if asked == 'speed':
+                self._ask_speed(parse_speed(typed) / RPM)
+            elif asked == 'dial':
+                self.state.turn_dial(parse_speed(typed) / RPM)
+            else:
+                self.state.set_release(parse_angle(typed))
+        except (ValueError, InstrumentError) as error:
+            self.state.notify(str(error))
+
+    def action_leave(self) -> None:
+        """End the run, so that its bag is complete, and leave; at once when asked again."""
+        if self._leaving or not self.state.run:
+            self.exit()
+            return
+        self._leaving = True
+        self.state.notify('the run is being ended … (q again: leave at once)')
+        paused = self.state.paused
+
+        def finish(rig: Rig) -> None:
+            try:
+                if not paused:
+                    with suppress(RigError):  # somebody else may have paused it
+                        rig.pause()
+                rig.reset()
+            finally:
+                self._post(self.exit)
+
+        self._worker.order(finish)
+        self.set_timer(_PATIENCE, self.exit)
+
+    def _hang_up(self) -> None:
+        self.hung_up = True
+        self.exit()
+
+    def _ask_speed(self, rpm: float) -> None:
+        before = self.state.speed
+        self.state.set_speed(rpm)
+        if not self._order(lambda rig: rig.request_speed(rpm)):
+            self.state.set_speed(before)
+
+    def _order(self, act: Callable[[Rig], None], then: Callable[[], None] | None = None) -> bool:
+        """Have something done, and then, here, what follows from it; return False where that is too early."""
+        if not self.state.run:
+            self.state.notify('the nodes are starting: a moment')
+            return False
+
+        def order(rig: Rig) -> None:
+            act(rig)
+            if then is not None:
+                self._post(then)
+
+        self._worker.order(order)
+        return True
+
+    def _post(self, act: Callable[[], None]) -> None:
+        """Have something done by the screen; from any thread."""
+        self.post_message(_Callback(act))
+
+    def on__callback(self, word: _Callback) -> None:
+        """Do it."""
+        word.act()
+
+    def _now(self) -> float:
+        return self.state.clock.now(time.monotonic())
+
+    def _draw(self) -> None:
+        wall, now = time.monotonic(), self._now()
+        self.state.check_fall(now)
+        if self.screen is not self.screen_stack[0]:
+            return
+        self._show('status', panels.status(self.state, self.title, now, wall))
+        for name, panel in panels.PANELS.items():
+            width, height = self.query_one(f'#{name}', Static).content_size
+            if width > 0 and height > 0:
+                self._show(name, panel(self.state, now, width, height))
+
+    def _show(self, name: str, text: Text) -> None:
+        """Draw a panel anew, if it changed: most do not, from one picture to the next."""
+        if self._shown.get(name) != text:
+            self._shown[name] = text
+            self.query_one(f'#{name}', Static).update(text)
+
+
+def _panel(name: str, title: str) -> Static:
+    panel = Static(id=name)
+    panel.border_title = title
+    return panel

@@ -1,0 +1,255 @@
+"""What lies before the person: the knobs and where they stand, what is seen and heard, what is written down."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.bench.bench_clock import BenchClock
+from kapitsa_ros.bench.notebook import Notebook, Row
+from kapitsa_ros.bench.stopwatch import HandStopwatch
+from kapitsa_ros.instruments.dial_search import graduation
+from kapitsa_ros.instruments.errors import InstrumentError
+from kapitsa_ros.instruments.lamp import Lamp
+from kapitsa_ros.network import topics
+from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.instruments.stopwatch import StopwatchReading
+    from kapitsa_ros.instruments.strobe import StrobeReading
+    from kapitsa_ros.physics.plant import Plant
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
+    from kapitsa_ros.ros.rig_client import News
+
+FASTEST = round(MAX_SPEED / RPM)
+"""RPM."""
+FINE = 5
+"""A touch of the dial is this part of a graduation."""
+TOUCH = 1.0
+"""The same of a dial without graduations, flashes a minute."""
+_BLOCKS = 20
+"""Blocks of the motion that are kept to look at."""
+_MESSAGES_KEPT = 50
+_READINGS_KEPT = 50
+_FALLEN = 1.5
+"""rad; it lies."""
+
+
+class BenchState:
+    """Everything at the bench that is no process and no screen.
+
+    Simulated time is in seconds of the run, wall time in seconds of a monotonic clock.
+
+    Parameters
+    ----------
+    plant
+        Its stroke says how the mark moves.
+    instruments
+        What lamp and stopwatch are like.
+    table
+        Where the person's readings go.
+    rate
+        Simulated over wall seconds.
+
+    """
+
+    def __init__(self, plant: Plant, instruments: Instruments, table: Path, rate: float) -> None:
+        self._settings = instruments.strobe
+        self.notebook = Notebook(table)
+        self.clock = BenchClock(rate)
+        self.lamp = Lamp(instruments.strobe, plant.amplitude)
+        self.watch = HandStopwatch(instruments.stopwatch)
+        self.run = 0
+        """Number of the run; 0: the nodes are not ready yet."""
+        self.speed = 0.0
+        """Asked for, RPM."""
+        self.release = 0.12
+        """Angle of the next release, rad."""
+        self.images = 2
+        """How many the person counts: the dial is divided by them."""
+        self.swings = 3
+        """Full swings that the person times."""
+        self.paused = False
+        self.dial = 0.0
+        """Where the lamp's dial points, flashes a minute."""
+        self.rig_readings: deque[tuple[int, StrobeReading | StopwatchReading]] = deque(maxlen=_READINGS_KEPT)
+        """What the instruments of the rig read, and in which run."""
+        self.messages: deque[str] = deque(maxlen=_MESSAGES_KEPT)
+        """Messages, the newest last."""
+        self._motion: deque[tuple[float, SampledMotion]] = deque(maxlen=_BLOCKS)
+        self._lies = False
+
+    def notify(self, message: str) -> None:
+        """Tell the person something."""
+        self.messages.append(message)
+
+    def receive(self, news: list[News], wall: float) -> None:
+        """Take in what the graph said, and when that came."""
+        for topic, step_id, value in news:
+            if topic == topics.RESULT.name:
+                self._receive_result(value)
+                continue
+            if step_id.run > self.run:
+                self._begin(step_id.run)
+            if step_id.run < self.run:
+                continue
+            if topic == topics.PIVOT.name:
+                self.lamp.shine(step_id.step * value.duration, value)
+            elif topic == topics.MOTION.name:
+                start = step_id.step * value.duration
+                self._motion.append((start, value))
+                self.clock.follow(wall, start, start + value.duration)
+            elif topic in (topics.STROBE.name, topics.STOPWATCH.name):
+                self.rig_readings.append((step_id.run, value))
+
+    def set_speed(self, rpm: float) -> None:
+        """Note what speed is asked for.
+
+        Raises
+        ------
+        RequestError
+            The jigsaw cannot turn so.
+
+        """
+        Requests(MAX_SPEED).ask_speed(rpm * RPM)
+        self.speed = rpm
+
+    def set_release(self, angle: float) -> None:
+        """Note from what angle the pendulum is to be released, rad.
+
+        Raises
+        ------
+        RequestError
+            The angle is not within a quarter turn of upright.
+
+        """
+        Requests(MAX_SPEED).ask_release(angle)
+        self.release = angle
+
+    def set_paused(self, *, paused: bool) -> None:
+        """Note whether time stands still."""
+        self.paused = paused
+        self.clock.measure_anew()
+
+    def turn_dial(self, dial: float) -> None:
+        """Let the dial of the lamp point at a number of flashes a minute; its ends stop it.
+
+        Raises
+        ------
+        InstrumentError
+            It is no number.
+
+        """
+        if math.isnan(dial):
+            raise InstrumentError('the dial of the lamp shows flashes a minute: give a number')
+        self.dial = min(max(dial, 0.0), self._settings.dial_end / RPM)
+        self.lamp.turn(self.dial * RPM)
+
+    @property
+    def graduation(self) -> float:
+        """Distance of two graduations of the dial, flashes a minute; 0: it can be read exactly."""
+        return self._settings.dial_resolution / RPM
+
+    @property
+    def touch(self) -> float:
+        """The least that a hand turns the dial, flashes a minute."""
+        return self.graduation / FINE or TOUCH
+
+    @property
+    def dial_reading(self) -> float:
+        """What is read off the dial, flashes a minute."""
+        return graduation(self.lamp.flash_rate, self._settings) / RPM
+
+    @property
+    def forcing(self) -> float:
+        """The shaft's speed by lamp and count, RPM."""
+        return self.dial_reading / self.images
+
+    def period(self, now: float) -> float:
+        """Return the period by stopwatch and count, s."""
+        return self.watch.shown(now) / self.swings
+
+    def angle(self, now: float) -> float:
+        """Return the angle of the rod, rad; NaN before anything is known."""
+        for start, motion in reversed(self._motion):
+            if start <= now:
+                at = (now - start) / motion.period
+                return float(np.interp(at, np.arange(motion.position.size), motion.position))
+        return float(self._motion[0][1].position[0]) if self._motion else math.nan
+
+    def picture(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return heights and shares of the images under the lamp."""
+        return self.lamp.picture(now)
+
+    @property
+    def faintest(self) -> float:
+        """Share of the flashes below which an image is only a glimmer."""
+        return self._settings.contrast_limit
+
+    def check_fall(self, now: float) -> None:
+        """Say so when the rod has fallen over."""
+        lies = abs(self.angle(now)) > _FALLEN
+        if lies and not self._lies:
+            self.notify('the pendulum fell: r sets it up again')
+        self._lies = lies
+
+    def press_watch(self, now: float) -> None:
+        """Start or stop the stopwatch."""
+        self.watch.press(now)
+
+    def write_down(self, now: float) -> None:
+        """Write forcing speed and period into the table, unless something is amiss, which is said."""
+        if self.watch.runs:
+            self.notify('not written down: stop the watch first (space)')
+            return
+        row = Row(run=self.run, forcing_rpm=self.forcing, period_s=self.period(now))
+        try:
+            self.notebook.write_down(row)
+        except (TableError, OSError) as error:
+            self.notify(f'not written down: {error}')
+        else:
+            self.notify(f'written down: {row.forcing_rpm:.6g} RPM, {row.period_s:.3f} s')
+            self.watch.clear()
+
+    def strike_out(self) -> None:
+        """Strike out the last line of the table."""
+        try:
+            row = self.notebook.strike_out()
+        except OSError as error:
+            self.notify(f'not struck out: {error}')
+            return
+        self.notify(f'struck out: {row.forcing_rpm:.6g} RPM' if row else 'nothing is written down yet')
+
+    def _begin(self, run: int) -> None:
+        self.run = run
+        self.clock.restart()
+        self.watch.clear()
+        self._motion.clear()
+        self._lies = False
+        self.notify(f'run {run}: the shaft is at rest, the pendulum is held')
+
+    def _receive_result(self, result: dict[str, dict[str, float | None]]) -> None:
+        for name, values in result.items():
+            if name.startswith('run '):
+                self.notify(f'{name} is over; the crew read {_result_text(values)}')
+
+
+def _result_text(values: dict[str, float | None]) -> str:
+    speed, period = values['speed_reading_rpm'], values['period_s']
+    return ', '.join(
+        (
+            'no speed' if speed is None else f'{speed:.6g} RPM',
+            'no swing' if period is None else f'a period of {period:.3f} s',
+        )
+    )

@@ -1,0 +1,95 @@
+"""The one thread that works the rig: carries out orders, and hands on what the graph says."""
+
+from __future__ import annotations
+
+import threading
+import time
+from queue import Empty, SimpleQueue
+from typing import TYPE_CHECKING, Protocol
+
+from kapitsa_ros.operator.errors import RequestError
+from kapitsa_ros.rig.errors import RigError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kapitsa_ros.rig.harness import Rig
+    from kapitsa_ros.ros.rig_client import News
+
+    Order = Callable[[Rig], None]
+
+LISTEN = 0.05
+"""Seconds for which news is waited for before the next order is looked for."""
+GRACE = 3.0
+"""Seconds given to an order under way when all is to end."""
+
+
+class Listener(Protocol):
+    """Who is told; called from the thread."""
+
+    def receive(self, news: list[News], wall: float) -> None:
+        """Take what the graph said, and when it came (wall clock, s)."""
+
+    def receive_refusal(self, why: str) -> None:
+        """Take that an order could not be carried out."""
+
+    def receive_failure(self, error: RigError) -> None:
+        """Take that the rig is no more; nothing follows."""
+
+
+class RigWorker:
+    """Works a rig between `start` and `stop`.
+
+    Parameters
+    ----------
+    rig
+        Nobody else may use it meanwhile.
+    ears
+        Who is told.
+
+    """
+
+    def __init__(self, rig: Rig, listener: Listener) -> None:
+        self._rig = rig
+        self._listener = listener
+        self._orders: SimpleQueue[Order] = SimpleQueue()
+        self._ending = threading.Event()
+        # A daemon: a rig that hangs must not keep the terminal.
+        self._thread = threading.Thread(target=self._work, daemon=True)
+
+    def start(self) -> None:
+        """Begin to work."""
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop working; an order that hangs is left to itself."""
+        self._ending.set()
+        self._thread.join(GRACE)
+
+    def order(self, order: Order) -> None:
+        """Have something done with the rig, after what was ordered before."""
+        self._orders.put(order)
+
+    def _work(self) -> None:
+        try:
+            while not self._ending.is_set():
+                self._carry_out()
+                news = self._rig.news(LISTEN)
+                if news:
+                    self._listener.receive(news, time.monotonic())
+        except RigError as error:
+            self._listener.receive_failure(error)
+        except Exception as error:  # noqa: BLE001  # the person would look at a picture that stands still
+            if not self._ending.is_set():  # then the rig may be taken away from an order that hangs
+                self._listener.receive_failure(RigError(f'the bench lost its rig: {error!r}'))
+
+    def _carry_out(self) -> None:
+        while not self._ending.is_set():
+            try:
+                order = self._orders.get_nowait()
+            except Empty:
+                return
+            try:
+                order(self._rig)
+            except (RigError, RequestError, TimeoutError) as error:  # of a death, the news tell
+                self._listener.receive_refusal(str(error))

@@ -1,0 +1,66 @@
+"""One sitting at the bench: the rig, the screen, and what is left when the person goes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from kapitsa_ros.bench.app import BenchApp
+from kapitsa_ros.bench.bench_state import BenchState
+from kapitsa_ros.bench.terminal import own_terminal, require_terminal
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.operator.protocol import MANUAL
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.harness import Rig
+from kapitsa_ros.rig.preflight import make_writable
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from kapitsa_ros.physics.plant import Plant
+
+
+def work_at_bench(  # noqa: PLR0917  # what the command was told
+    plant: Plant, instruments: str, seed: int, rate: float, bags: Path, table: Path
+) -> None:
+    """Start a rig, let a person work it until they leave, and say where things are.
+
+    Raises
+    ------
+    UsageError
+        There is no terminal; the folder cannot be written; the table is there already.
+    BagError
+        The folder holds runs of another sitting.
+    RigError
+        A node died.
+
+    """
+    if old := sorted(bags.glob('run_*_0rpm')):
+        raise BagError(f'{old[0]} exists: runs are never overwritten, give another --bags or move it away')
+    state = BenchState(plant, load_instruments(instruments), table, rate)
+    require_terminal()
+    make_writable(bags)
+    with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL) as rig, own_terminal():
+        screen = BenchApp(rig, state, f'kapitsa bench · instruments {instruments}')
+        error = screen.run(mouse=False)
+    if error is not None:
+        raise error
+    if screen.return_code:
+        raise RigError('the screen broke off')
+    if not screen.hung_up:
+        _print_what_is_left(bags, state)
+
+
+def _print_what_is_left(bags: Path, state: BenchState) -> None:
+    runs = sorted(bags.glob('run_*'))
+    click.echo(f'{_counted(runs, "run")} in {bags}: kapitsa analyse {bags}/*' if runs else 'no run was recorded')
+    if state.notebook.rows:
+        path = state.notebook.path
+        click.echo(f'{_counted(state.notebook.rows, "reading")} of yours in {path}: kapitsa reduce {path}')
+
+
+def _counted(things: Sequence[object], name: str) -> str:
+    return f'{len(things)} {name}{"" if len(things) == 1 else "s"}'

@@ -1,0 +1,1 @@
+"""One command a file; `kapitsa_ros.cli.main` finds them by name."""

@@ -1,0 +1,30 @@
+"""`kapitsa analyse`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+from rich.console import Console
+
+from kapitsa_ros.cli.options import json_option, print_json, warn_of_repeats
+
+
+@click.command()
+@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option('--blind/--motion', default=True, show_default=True, help='from the readings, or from θ(t)')
+@json_option
+def analyse(*, bags: tuple[Path, ...], blind: bool, as_json: bool) -> None:
+    """Analyse recorded runs from what was read and commanded, without the graph."""
+    from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
+    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+    from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
+
+    warn_of_repeats(bags)
+    values = analyse_bags(bags) if blind else analyse_motions(bags)
+    if as_json:
+        print_json(values)
+        return
+    console = Console()
+    for table in report_tables(values, RunBag(bags[0]).run.plant):
+        console.print(table)

@@ -1,0 +1,59 @@
+"""`kapitsa experiment`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+from rich.console import Console
+
+from kapitsa_ros.cli.options import SEED, instrument_options, json_option, plant_options, print_json, rate_option
+from kapitsa_ros.recording.writer import STORAGES
+from kapitsa_ros.rig.setup import Setup
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.plant import Plant
+
+
+@click.command()
+@plant_options
+@instrument_options
+@click.option('--seed', type=SEED, default=1, show_default=True, help='of all chance')
+@click.option(
+    '--bags', type=click.Path(path_type=Path), default=Path('runs'), show_default=True, help='folder for the runs'
+)
+@click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
+@rate_option
+@click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
+@json_option
+def experiment(
+    *,
+    plant: Plant,
+    instruments: str,
+    seed: int,
+    bags: Path,
+    protocol: str,
+    rate: float,
+    storage: str,
+    as_json: bool,
+) -> None:
+    """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
+    from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
+    from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
+    from kapitsa_ros.rig.session import run_experiment  # noqa: PLC0415  # rclpy takes its time
+
+    setup = Setup(
+        plant=plant, instruments=instruments, protocol=protocol, seed=seed, rate=rate, bags=bags, storage=storage
+    )
+    with shown_progress(len(setup.carried_out().speeds)) as on_progress:
+        values = run_experiment(setup, on_progress)
+    if as_json:
+        print_json(values)
+        return
+    console = Console()
+    for table in report_tables(values, plant):
+        console.print(table)
+    console.print(
+        f'{len(values["runs"])} runs below {bags}; {values["realtime_factor"]:.0f} times real time', highlight=False
+    )

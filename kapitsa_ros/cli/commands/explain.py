@@ -1,0 +1,66 @@
+"""`kapitsa explain`: which causes fit a table of readings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING
+
+import click
+
+from kapitsa_ros.analysis.explain import explain as rank
+from kapitsa_ros.cli.options import json_option, plant_options, print_json
+from kapitsa_ros.cli.table_argument import table_argument
+
+if TYPE_CHECKING:
+    from kapitsa_ros.analysis.explain import Explanation
+    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.physics.plant import Plant
+
+
+@click.command()
+@table_argument
+@plant_options
+@json_option
+def explain(readings: Readings, plant: Plant, *, as_json: bool) -> None:
+    """Rank the causes that could have made the periods of TABLE (by default that of 1997) what they are.
+
+    The plant's options say what it should have been.
+    """
+    verdict = rank(readings, plant)
+    for warning in verdict.warnings:
+        click.echo(f'kapitsa: warning: {warning}', err=True)
+    if as_json:
+        explanations = [_values(explanation) for explanation in verdict.explanations]
+        print_json(
+            {
+                'explanations': explanations,
+                'indistinguishable': verdict.indistinguishable,
+                'warnings': verdict.warnings,
+            }
+        )
+        return
+    click.echo(f'{"cause":28} {"value":>11} {"95 %":>22} {"misfit":>9} {"weight":>7}   parameter')
+    for explanation in verdict.explanations:
+        click.echo(_line(explanation))
+    if verdict.indistinguishable:
+        click.echo(f'the readings cannot tell apart: {", ".join(verdict.indistinguishable)}')
+
+
+def _values(explanation: Explanation) -> dict[str, object]:
+    values = asdict(explanation)
+    values['rms_misfit_s'] = values.pop('rms_misfit')
+    values['parameter'] = values['parameter'] or None
+    return values
+
+
+def _line(explanation: Explanation) -> str:
+    value = 'fits' if explanation.fits else 'none fits'
+    if explanation.value is not None:
+        value = f'{explanation.value:.5g}'
+    interval = ''
+    if explanation.interval is not None:
+        interval = ' to '.join('unbounded' if end is None else f'{end:.5g}' for end in explanation.interval)
+    misfit = f'{explanation.rms_misfit:.4f} s' if math.isfinite(explanation.rms_misfit) else 'none'
+    weight = f'{explanation.weight:.3f}' if math.isfinite(explanation.weight) else 'none'
+    return f'{explanation.name:28} {value:>11} {interval:>22} {misfit:>9} {weight:>7}   {explanation.parameter}'

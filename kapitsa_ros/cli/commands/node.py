@@ -1,0 +1,24 @@
+"""`kapitsa node`."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+import click
+
+from kapitsa_ros.network.topics import ROLES
+from kapitsa_ros.rig.environment import on_loopback
+
+
+@click.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})
+@click.argument('name', type=click.Choice([*ROLES, 'player']))
+@click.argument('arguments', nargs=-1, type=click.UNPROCESSED)
+def node(*, name: str, arguments: tuple[str, ...]) -> None:
+    """Run one node, as `ros2 run kapitsa_ros NAME` does; ARGUMENTS may hold --ros-args.
+
+    Without ROS_AUTOMATIC_DISCOVERY_RANGE in the environment it keeps to this machine.
+    """
+    with on_loopback():
+        # In place of this process, so that signals and the exit status are the node's own.
+        os.execv(sys.executable, [sys.executable, '-m', 'kapitsa_ros.nodes', name, *arguments])  # noqa: S606

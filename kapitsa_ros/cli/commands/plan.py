@@ -1,0 +1,92 @@
+"""`kapitsa plan`: the cheapest protocol for an aim, and the measurement that decides."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from kapitsa_ros.analysis.explain import CAUSES
+from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
+from kapitsa_ros.analysis.plan.cheapest import FASTEST
+from kapitsa_ros.cli.options import ANGLE, SPEED, instrument_options, json_option, plant_options, print_json
+from kapitsa_ros.cli.table_argument import table_argument
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.analysis.plan import Separation
+    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.physics.plant import Plant
+
+_APART = 2.0  # standard errors; closer values are not told apart
+_NAMES = click.Choice([cause.name for cause in CAUSES])
+
+
+@click.command()
+@table_argument
+@click.option('--target', type=float, required=True, help='half the width of the 95 % interval wanted, per cent')
+@click.option(
+    '--release', type=ANGLE, default=0.12, show_default=True, help='angle at which the pendulum is let go, rad'
+)
+@click.option('--max-speed', type=SPEED, default=FASTEST / RPM, show_default=True, help='fastest the jigsaw may turn')
+@click.option(
+    '--between',
+    type=(_NAMES, _NAMES),
+    default=('inertia_factor', 'large_swing'),
+    show_default=True,
+    help='two explanations of TABLE to tell apart',
+)
+@plant_options
+@instrument_options
+@json_option
+def plan(
+    readings: Readings,
+    *,
+    target: float,
+    release: float,
+    max_speed: float,
+    between: tuple[str, str],
+    plant: Plant,
+    instruments: str,
+    as_json: bool,
+) -> None:
+    """Find the cheapest protocol whose 95 % interval is within ±TARGET per cent of the critical speed.
+
+    Beside it stands the one measurement that best tells two explanations of TABLE (by default that of 1997) apart.
+    """
+    found = cheapest_plan(plant, load_instruments(instruments), target, release, max_speed)
+    deciding = best_separation(readings, plant, *between)
+    if as_json:
+        print_json(
+            {
+                'speeds_rpm': [speed / RPM for speed in found.speeds],
+                'periods': found.swings,
+                'repeats': found.repeats,
+                'expected_percent': found.expected_percent,
+                'bench_s': found.seconds,
+                'separation': {
+                    'between': deciding.between,
+                    'speed_rpm': deciding.speed / RPM,
+                    'release_rad': deciding.release,
+                    'periods_s': deciding.periods,
+                    'sigmas': deciding.sigmas,
+                },
+            }
+        )
+        return
+    speeds = ', '.join(f'{speed / RPM:.0f}' for speed in found.speeds)
+    click.echo(f'speeds   {speeds} RPM')
+    click.echo(f'timings  {found.repeats} of {found.swings} swing(s) at each')
+    click.echo(f'expected ±{found.expected_percent:.2f} % (95 %) after {found.seconds:.0f} s at the bench')
+    click.echo(_deciding(deciding))
+
+
+def _deciding(found: Separation) -> str:
+    first, second = found.between
+    swing = 'the swing as before' if found.release is None else f'a swing of {found.release:g} rad'
+    what = f'time {swing} at {found.speed / RPM:.0f} RPM'
+    said = f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
+    if found.sigmas < _APART:
+        return f'no single timing tells {first} from {second}; the best of them: {what}; {said}'
+    return f'to tell {first} from {second}: {what}; {said}'

@@ -1,0 +1,80 @@
+"""`kapitsa theory`: what theory says of this rod."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kapitsa_ros.cli.options import ANGLE, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.physics import theory as physics
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.plant import Plant
+
+
+@click.command()
+@plant_options
+@click.option('--speed', 'speeds', type=SPEED, multiple=True, help='a forcing speed (several may be given)')
+@click.option('--release', type=ANGLE, help='also show the ladder of theories for a swing released at this θ')
+@json_option
+def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as_json: bool) -> None:
+    """Say what theory predicts: critical speeds, and what the rod does at given ones."""
+    answer = {
+        'mathieu_q': physics.mathieu_q(plant),
+        'omega_crit_averaged_rpm': _rpm(physics.omega_crit_averaged(plant)),
+        'omega_crit_exact_rpm': _rpm(physics.omega_crit_exact(plant)),
+        'omega_crit_upper_rpm': _rpm(physics.omega_crit_upper(plant)),
+        'speeds': [_at(plant, speed, release) for speed in speeds],
+    }
+    if as_json:
+        print_json(answer)
+    else:
+        _print(answer)
+
+
+def _at(plant: Plant, speed: float, release: float | None) -> dict[str, Any]:
+    answer: dict[str, Any] = {
+        'speed_rpm': _rpm(speed),
+        'mathieu_a': physics.mathieu_a(plant, speed),
+        'stable': physics.is_stable(plant, speed),
+        'slow_averaged_rpm': _rpm(physics.slow_frequency_averaged(plant, speed)),
+        'slow_exact_rpm': _rpm(physics.slow_frequency_exact(plant, speed)),
+        'growth_per_s': physics.growth_rate(plant, speed),
+    }
+    if release is not None:
+        answer['ladder'] = [
+            {'name': rung.name, 'source': rung.source, 'slow_rpm': _rpm(rung.frequency), 'error_rpm': _rpm(rung.error)}
+            for rung in physics.compare_theories(plant, speed, release)
+        ]
+    return answer
+
+
+def _rpm(speed: float | None) -> float | None:
+    return None if speed is None else speed / RPM
+
+
+def _print(answer: dict[str, Any]) -> None:
+    click.echo(f'Mathieu q                 {answer["mathieu_q"]:.6f}')
+    click.echo(f'critical speed, averaged  {answer["omega_crit_averaged_rpm"]:.4f} RPM')
+    click.echo(f'critical speed, exact     {answer["omega_crit_exact_rpm"]:.4f} RPM')
+    upper = answer['omega_crit_upper_rpm']
+    click.echo('upper limit               ' + ('none' if upper is None else f'{upper:.4f} RPM'))
+    if answer['speeds']:
+        click.echo('\n speed RPM   stable  slow, averaged  slow, exact RPM  growth 1/s')
+    for row in answer['speeds']:
+        slow = [f'{row[key]:.4f}' if row[key] is not None else '-' for key in ('slow_averaged_rpm', 'slow_exact_rpm')]
+        stable = 'yes' if row['stable'] else 'no'
+        click.echo(f'{row["speed_rpm"]:10.2f}   {stable:6}  {slow[0]:>14}  {slow[1]:>15}  {row["growth_per_s"]:10.5f}')
+    for row in answer['speeds']:
+        _print_ladder(row)
+
+
+def _print_ladder(row: dict[str, Any]) -> None:
+    if 'ladder' not in row:
+        return
+    click.echo(f'\nat {row["speed_rpm"]:10.2f} RPM     source             slow RPM    error RPM')
+    for rung in row['ladder']:
+        slow = '-' if rung['slow_rpm'] is None else f'{rung["slow_rpm"]:10.5f}  {rung["error_rpm"]:+11.5f}'
+        click.echo(f'{rung["name"]:20}  {rung["source"]:15}  {slow}')

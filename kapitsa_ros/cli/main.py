@@ -1,0 +1,65 @@
+"""The command line: `kapitsa COMMAND`."""
+
+from __future__ import annotations
+
+import os
+import sys
+from importlib import import_module
+from pkgutil import iter_modules
+
+import click
+
+from kapitsa_ros import __version__
+from kapitsa_ros.cli import commands
+from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
+from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
+
+
+class _Commands(click.Group):
+    """Imports a command when it is asked for: theory should not wait for ROS."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
+        return sorted(module.name for module in iter_modules(commands.__path__))
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.list_commands(ctx):
+            return None
+        command: click.Command = getattr(import_module(f'{commands.__name__}.{cmd_name}'), cmd_name)
+        return command
+
+
+@click.group(cls=_Commands, no_args_is_help=False, context_settings={'help_option_names': ['-h', '--help']})
+@click.version_option(__version__, prog_name='kapitsa')
+def kapitsa() -> None:
+    """Kapitsa's inverted pendulum on a jigsaw: theory, simulation, and the laboratory of 1997 as a ROS 2 graph."""
+
+
+def main() -> None:
+    """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
+    interrupt_on_signals()
+    try:
+        kapitsa.main(prog_name='kapitsa', standalone_mode=False)
+    except click.UsageError as error:
+        where = error.ctx.command_path if error.ctx is not None else 'kapitsa'
+        _leave(f'{error.format_message()} (see {where} --help)', WRONG_INPUT)
+    except click.ClickException as error:
+        _leave(error.format_message(), WRONG_INPUT)
+    except KapitsaError as error:
+        _leave(str(error), error.exit_status)
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):
+            # Whoever read the output has left; the interpreter would complain once more when it flushes.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            sys.exit(FAILED)
+        _leave(str(error), FAILED)
+    except MemoryError as error:
+        _leave(f'{error}: ask for less at once (a shorter run, fewer samples)', FAILED)
+    except Interrupt as interrupt:
+        _leave('interrupted', interrupt.status)
+    except click.exceptions.Exit as leave:
+        sys.exit(leave.exit_code)
+
+
+def _leave(message: str, status: int) -> None:
+    print(f'kapitsa: error: {" ".join(message.split())}', file=sys.stderr)
+    sys.exit(status)

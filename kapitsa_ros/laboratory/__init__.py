@@ -1,0 +1,1 @@
+"""Whole experiments without the graph: simulated, in campaigns, and analysed from bags."""

@@ -1,0 +1,9 @@
+"""Errors of the laboratory without the graph."""
+
+from kapitsa_ros.errors import FAILED, KapitsaError
+
+
+class ClusterError(KapitsaError):
+    """A cluster cannot be used; the message says how to mend it."""
+
+    exit_status = FAILED

@@ -1,0 +1,91 @@
+"""Whole experiments in process: the same plant, instruments, person and steps as the graph, without its messages."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import asdict, dataclass
+from itertools import count
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.instruments.random_streams import random_stream
+from kapitsa_ros.instruments.stopwatch import Stopwatch
+from kapitsa_ros.instruments.strobe import Strobe
+from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.operator.scripted import ScriptedOperator
+from kapitsa_ros.physics.jigsaw import MAX_SPEED, Jigsaw
+from kapitsa_ros.physics.pendulum import Pendulum
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.network.run import Run
+    from kapitsa_ros.operator.command import Command
+    from kapitsa_ros.operator.protocol import Protocol
+    from kapitsa_ros.physics.plant import Plant
+
+_SAMPLE_RATE = 1000.0  # Hz
+_SPIN_UP = 200.0  # rad/s²
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatedExperiment:
+    """An experiment that gives the readings the graph would give with the same settings.
+
+    Step, sample rate, steps in flight and the shaft's spin-up are the defaults of the nodes: they decide which step an
+    answer falls into, and so the readings.
+    """
+
+    plant: Plant
+    instruments: Instruments
+    protocol: Protocol
+    seed: int
+    step: float = 0.1
+    """Length of a communication step, s."""
+    in_flight: int = 4
+    """Steps from a reading to the command that answers it."""
+
+    def runs(self) -> list[Run]:
+        """Carry out the protocol."""
+        return [self._run(number, speed) for number, speed in enumerate(self.protocol.speeds, start=1)]
+
+    def _run(self, number: int, speed: float) -> Run:
+        clock = StepClock(round(self.step * SECOND))
+        jigsaw = Jigsaw(amplitude=self.plant.amplitude, spin_up=_SPIN_UP, max_speed=MAX_SPEED)
+        pendulum = Pendulum(self.plant)
+        strobe = Strobe(self.instruments.strobe, random_stream(self.seed, 'strobe', number))
+        watch = Stopwatch(
+            self.instruments.stopwatch, self.protocol.swings, random_stream(self.seed, 'stopwatch', number)
+        )
+        operator = ScriptedOperator(self.protocol, speed, clock.step)
+        commands = deque([operator.opening()] * self.in_flight)
+        builder = RunBuilder(number, self._settings())
+        for step in count():
+            command: Command = commands.popleft()
+            if command.end:
+                return builder.build(complete=True)
+            start = clock.start(StepId(number, step))
+            pivot = jigsaw.advance(command.speed, clock.step, round(clock.step * _SAMPLE_RATE))
+            if command.hold is None:
+                pendulum.release()
+            else:
+                pendulum.hold(command.hold)
+            seen = strobe.observe(start, pivot)
+            timed = watch.observe(start, pendulum.advance(pivot))
+            builder.add(command, seen, timed)
+            commands.append(operator.command(seen, timed))
+        raise AssertionError
+
+    def _settings(self) -> Mapping[str, Mapping[str, Any]]:
+        return {
+            'jigsaw': {'amplitude': self.plant.amplitude},
+            'pendulum': {'plant': asdict(self.plant)},
+            'strobe': {'seed': self.seed, 'instrument': asdict(self.instruments.strobe)},
+            'stopwatch': {
+                'seed': self.seed,
+                'swings': self.protocol.swings,
+                'instrument': asdict(self.instruments.stopwatch),
+            },
+        }

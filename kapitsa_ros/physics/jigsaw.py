@@ -1,0 +1,154 @@
+"""The jigsaw: a shaft that keeps its phase, and the crank that turns it into a stroke."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.physics.errors import MotionError, ParameterError
+from kapitsa_ros.physics.sampled_motion import SampledMotion
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+TWO_PI = Fraction('6.283185307179586476925286766559005768394338798750')
+TURN = 1 << 128
+MAX_SPEED = 5000 * 2.0 * math.pi / 60
+"""rad/s: what a jigsaw does, 5000 strokes a minute, unless told otherwise."""
+
+
+class Jigsaw:
+    """A shaft that runs up to the speed asked of it and drives the pivot through a crank.
+
+    The speed is linear in time within a step, so the pivot's motion has kinks only where steps meet. The phase is kept
+    as a whole number of 2⁻¹²⁸ turns, so it loses nothing however long the shaft runs.
+
+    Parameters
+    ----------
+    amplitude
+        λ, m: the crank's radius.
+    rod_ratio
+        Length of the connecting rod over the crank's radius, above 1; 0 for a Scotch yoke, whose stroke is the pure
+        cosine y = −λ cos φ of the report.
+    phase
+        φ at the start, rad: 0 is the bottom of the stroke.
+    spin_up
+        Limit of the angular acceleration, rad/s².
+    max_speed
+        Limit of the speed, rad/s.
+
+    Raises
+    ------
+    ParameterError
+        A value is not finite or out of its range.
+
+    """
+
+    def __init__(
+        self,
+        *,
+        amplitude: float,
+        rod_ratio: float = 0.0,
+        phase: float = 0.0,
+        spin_up: float = 500.0,
+        max_speed: float = MAX_SPEED,
+    ) -> None:
+        for name, value in (('amplitude', amplitude), ('spin_up', spin_up), ('max_speed', max_speed)):
+            if not 0 < value < math.inf:
+                raise ParameterError(f'{name} is {value}: give a finite number above 0')
+        if not (rod_ratio == 0 or 1 < rod_ratio < math.inf):
+            raise ParameterError(f'rod_ratio is {rod_ratio}: it must be above 1, or 0 for a pure cosine')
+        if not math.isfinite(phase):
+            raise ParameterError(f'phase is {phase}: give a finite number')
+        self._amplitude = amplitude
+        self._rod_ratio = rod_ratio
+        self._spin_up = spin_up
+        self._max_speed = max_speed
+        self._turn = round(Fraction(phase) / TWO_PI * TURN) % TURN
+        self._speed = 0.0
+
+    @property
+    def speed(self) -> float:
+        """φ′ now, rad/s."""
+        return self._speed
+
+    @property
+    def phi(self) -> float:
+        """φ now, rad in [0, 2π): 0 is the bottom of the stroke."""
+        return 2.0 * math.pi * (self._turn / TURN)
+
+    def advance(self, target_speed: float, duration: float, count: int) -> SampledMotion:
+        """Run for one step, towards a speed that is reached, if at all, just when the step ends.
+
+        Parameters
+        ----------
+        target_speed
+            rad/s, in [0, max_speed].
+        duration
+            Of the step, seconds.
+        count
+            Intervals between samples, 1 or more.
+
+        Returns
+        -------
+        SampledMotion
+            The pivot's y, y′ and y″ at count + 1 times.
+
+        Raises
+        ------
+        MotionError
+            A speed the jigsaw cannot do, or a step that is none.
+
+        """
+        if not 0 <= target_speed <= self._max_speed:
+            raise MotionError(f'speed is {target_speed} rad/s: the jigsaw does 0 to {self._max_speed:.6g} rad/s')
+        if not 0 < duration < math.inf or count < 1:
+            raise MotionError(f'a step of {duration} s in {count} intervals: give a positive duration and count')
+        reach = self._spin_up * duration
+        final = min(max(target_speed, self._speed - reach), self._speed + reach)
+        angular_acceleration = (final - self._speed) / duration
+        time = np.linspace(0.0, duration, count + 1)
+        phi = self.phi + time * (self._speed + 0.5 * angular_acceleration * time)
+        samples = self._stroke(phi, self._speed + angular_acceleration * time, angular_acceleration, duration / count)
+
+        travel = (Fraction(self._speed) + Fraction(final)) / 2 * Fraction(duration)
+        self._turn = (self._turn + round(travel / TWO_PI * TURN)) % TURN
+        self._speed = final
+        return samples
+
+    def _stroke(
+        self,
+        phi: NDArray[np.float64],
+        speed: NDArray[np.float64],
+        angular_acceleration: float,
+        period: float,
+    ) -> SampledMotion:
+        """Return the pivot's motion: y(φ) and the chain rule."""
+        height, slope, curvature = crank(phi, self._rod_ratio)
+        return SampledMotion(
+            period=period,
+            position=self._amplitude * height,
+            rate=self._amplitude * slope * speed,
+            acceleration=self._amplitude * (curvature * speed**2 + slope * angular_acceleration),
+        )
+
+
+def crank(
+    phi: NDArray[np.float64],
+    rod_ratio: float,
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the pivot's height over the crank's radius, and its first two derivatives by φ.
+
+    The pivot stands above the crank, as on a jigsaw held upside down: y/λ = −cos φ + √(ρ² − sin² φ) − ρ with the rod
+    ratio ρ, and −cos φ for ρ = 0. It runs from −1 (φ = 0) to 1 (φ = π).
+    """
+    sine, cosine = np.sin(phi), np.cos(phi)
+    if rod_ratio == 0:
+        return -cosine, sine, cosine
+    rod = np.sqrt(rod_ratio**2 - sine**2)
+    tilt = sine * cosine / rod
+    height = -cosine - sine**2 / (rod + rod_ratio)
+    return height, sine - tilt, cosine - (cosine**2 - sine**2) / rod - tilt**2 / rod

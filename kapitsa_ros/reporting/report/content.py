@@ -1,0 +1,181 @@
+"""The numbers of the report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of, true_threshold
+from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, readings_of
+from kapitsa_ros.analysis.explain import explain
+from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.operator.protocol import load_protocol
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.plant import PRESETS, Plant, load_preset
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.explain import Ranking
+    from kapitsa_ros.analysis.plan import Plan, Separation
+    from kapitsa_ros.analysis.recorded_run import RecordedRun
+    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.laboratory.campaign import Campaign
+
+_Fit = TypeVar('_Fit')
+
+EXPERIMENTS = 40
+"""Virtual experiments for each preset."""
+
+TARGET_PERCENT = 1.0
+
+AS_BUILT_ON_BEARING = 'bearing, inertia as built'
+"""Name of the trial in which only friction and play were mended."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """One way to the critical speed, rad/s; None where it leads nowhere."""
+
+    name: str
+    value: float | None
+    interval: tuple[float | None, float | None] | None = None
+    of_1997: float | None = None
+    discrepancy: float | None = 0.0
+    """Relative error of the periods that was allowed for beyond the stated ones; None where none reconciles them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """What the procedure of 1997 would have made of a plant."""
+
+    name: str
+    truth: float
+    campaign: Campaign
+    plan: Plan | None
+    """The cheapest protocol for the target, instead of that of 1997; None where there is none."""
+
+    @property
+    def half_width(self) -> float:
+        """Half the median width of the intervals, over the truth."""
+        return 0.5 * self.campaign.width / self.truth
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Content:
+    """All numbers of the report."""
+
+    runs: tuple[RecordedRun, ...]
+    plant: Plant
+    of_1997: Readings
+    estimates: tuple[Estimate, ...]
+    predicted: float
+    truth: float | None
+    verdicts: tuple[tuple[str, Ranking], ...]
+    trials: tuple[Trial, ...]
+    plan: Plan | None
+    separation: Separation
+
+
+def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EXPERIMENTS) -> Content:
+    """Work out everything the report says, with `experiments` virtual ones for each preset.
+
+    Raises
+    ------
+    AnalysisError
+        There are no runs, they are of different plants, or none was timed.
+
+    """
+    blind = [recorded.run for recorded in runs]
+    plant = plant_of(blind)
+    nominal = ideal_rod(plant)
+    evidence = evidence_of(blind)
+    verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
+    if np.ptp(evidence.timed.forcing) > 0.0:
+        verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
+    return Content(
+        runs=tuple(runs),
+        plant=plant,
+        of_1997=of_1997,
+        estimates=_estimates(evidence, readings_of(blind), nominal, of_1997),
+        predicted=omega_crit_averaged(nominal),
+        truth=_truth(plant),
+        verdicts=tuple(verdicts),
+        trials=tuple(_trial(name, plant, experiments) for name, plant in _plants().items()),
+        plan=_plan(nominal),
+        separation=best_separation(of_1997, Plant(), 'inertia_factor', 'large_swing'),
+    )
+
+
+def _estimates(evidence: Evidence, written: Readings, nominal: Plant, theirs: Readings) -> tuple[Estimate, ...]:
+    """Fit the lines of 1997 to what was written down, the others to what is known of its errors too."""
+    line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
+    backward, forward = _or_none(inverse, written), _or_none(ordinary, written)
+    curve = direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
+    return (
+        Estimate(
+            name='ω² on Ω², as in 1997',
+            value=backward.omega_crit if backward else None,
+            of_1997=inverse(theirs).omega_crit,
+        ),
+        Estimate(name='Ω² on ω²', value=forward.omega_crit if forward else None, of_1997=ordinary(theirs).omega_crit),
+        Estimate(
+            name='line, errors in both readings',
+            value=line.omega_crit if line else None,
+            interval=line.interval if line else None,
+            of_1997=line_1997.omega_crit,
+            discrepancy=line.discrepancy if line else 0.0,
+        ),
+        Estimate(
+            name='exact curve with a ruler',
+            value=curve.omega_crit,
+            interval=curve.interval,
+            discrepancy=curve.discrepancy,
+        ),
+    )
+
+
+def _or_none(fit: Callable[[Readings], _Fit], readings: Readings) -> _Fit | None:
+    try:
+        return fit(readings)
+    except TableError:
+        return None  # one speed, or no rise
+
+
+def _truth(plant: Plant) -> float | None:
+    try:
+        return true_threshold(plant)
+    except PhysicsError:
+        return None
+
+
+def _plants() -> dict[str, Plant]:
+    """Return the presets, and the rod as built on the bearing: its inertia is what no bearing mends."""
+    kappa = load_preset('as_built_1997').inertia_factor
+    plants = {preset.replace('_', ' '): load_preset(preset) for preset in PRESETS}
+    return plants | {AS_BUILT_ON_BEARING: load_preset('bearing', {'inertia_factor': kappa})}
+
+
+def _trial(name: str, plant: Plant, experiments: int) -> Trial:
+    experiment = SimulatedExperiment(
+        plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
+    )
+    truth = true_threshold(plant)
+    campaign = summarise(list(perform_all(experiment, experiments)), truth, 1.0, Cores.count)
+    return Trial(name=name, truth=truth, campaign=campaign, plan=_plan(plant))
+
+
+def _plan(plant: Plant) -> Plan | None:
+    try:
+        return cheapest_plan(plant, load_instruments('1997'), TARGET_PERCENT)
+    except AnalysisError:
+        return None

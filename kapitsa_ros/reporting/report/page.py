@@ -1,0 +1,98 @@
+"""The report's page."""
+
+from __future__ import annotations
+
+import io
+import math
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from kapitsa_ros.analysis.critical_speed import evidence_of
+from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.analysis.experiment import ideal_rod, readings_of
+from kapitsa_ros.analysis.line_fit import inverse
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.reporting.figures import frequency_sweep, stability_boundaries
+from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
+from kapitsa_ros.reporting.report.drawings import extrapolation, intervals, recorded_spectrum, recorded_swing
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kapitsa_ros.reporting.report.content import Content
+
+_INCH = 0.0254
+_WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
+
+
+def render(content: Content) -> str:
+    """Return the page: HTML that asks nothing of any other file or host."""
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters.update(rpm=_rpm, inch=_inch, number=_number, ends=_ends)
+    template = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
+    return template.render(
+        content=content,
+        report=Plant(),
+        trials={trial.name: trial for trial in content.trials},
+        as_built_on_bearing=AS_BUILT_ON_BEARING,
+        figures=_figures(content),
+        rpm_unit=RPM,
+        target=TARGET_PERCENT,
+    )
+
+
+def _figures(content: Content) -> list[Markup]:
+    ours = evidence_of([recorded.run for recorded in content.runs]).timed
+    nominal = ideal_rod(content.plant)
+    try:
+        line = inverse(readings_of([recorded.run for recorded in content.runs]))
+    except TableError:
+        line = None  # Figure 3 is without it, as Table 3 is
+    measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))
+    shown = content.runs[-1]
+    return [
+        _svg(figure)
+        for figure in (
+            intervals(content.estimates, content.predicted, content.truth),
+            stability_boundaries(nominal, ours.forcing.tolist(), stacked=True),
+            extrapolation(ours, content.of_1997, line),
+            recorded_swing(shown),
+            recorded_spectrum(shown),
+            frequency_sweep(nominal, measured),
+        )
+    ]
+
+
+def _svg(figure: Figure) -> Markup:
+    """Return the figure's drawing alone, with ids of its own, and no date."""
+    title = figure.get_suptitle()
+    figure.set_size_inches(_WIDTH, _HEIGHT * len(figure.axes))
+    with mpl.rc_context({'svg.hashsalt': title, 'svg.fonttype': 'path'}):
+        file = io.StringIO()
+        figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})
+    drawing = file.getvalue()
+    drawing = drawing[drawing.index('<svg') :].replace('<svg ', f'<svg role="img" aria-label="{title}" ', 1)
+    return Markup(drawing)  # noqa: S704 - drawn here
+
+
+def _rpm(speed: float | None, digits: int = 1) -> str:
+    return 'none' if speed is None or math.isnan(speed) else f'{speed / RPM:.{digits}f}'
+
+
+def _inch(length: float) -> str:
+    return f'{length / _INCH:.4g} in'
+
+
+def _number(value: float | None, digits: int = 3) -> str:
+    return '' if value is None else f'{value:.{digits}g}'
+
+
+def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0, digits: int = 4) -> str:
+    if interval is None:
+        return ''
+    return ' to '.join('unbounded' if end is None else f'{end / unit:.{digits}g}' for end in interval)

@@ -1,0 +1,90 @@
+"""Tables 1 to 3 of the report, the rig's own figures beside those of 1997."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+INCH = 0.0254
+
+
+def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
+    """Return the report's tables with a column of 1997 and a column of the rig."""
+    return [_parameters(plant), _measurements(values), _critical_speed(values)]
+
+
+def _parameters(plant: Plant) -> Table:
+    table = _table('Table 1: experimental parameters', '', '1997', 'rig')
+    report = Plant()
+    for name, field in (('L', 'length'), ('λ', 'amplitude')):
+        table.add_row(name, *(f'{getattr(each, field) / INCH:.4g} in' for each in (report, plant)))
+    return table
+
+
+def _measurements(values: Mapping[str, Any]) -> Table:
+    table = _table(
+        'Table 2: experimental measurements', 'run', 'ω 1997 (RPM)', 'T 1997 (s)', 'Ω 1997 (RPM)',
+        'ω rig (RPM)', 'T rig (s)', 'Ω rig (RPM)',
+    )  # fmt: skip
+    readings = read_table(resource_path('config', 'tables', '1997.csv'))
+    report = [
+        (f'{omega / RPM:.0f}', f'{period:.2f}', f'{60 / period:.0f}')
+        for omega, period in zip(readings.forcing, readings.period, strict=True)
+    ]
+    runs = values['runs']
+    for number in range(max(len(report), len(runs))):
+        ours = ('', '', '')
+        if number < len(runs):
+            run = runs[number]
+            period = 'fell' if run['fell'] else _number(run['period_s'], '.3f')
+            ours = (_number(run['speed_reading_rpm'], '.1f'), period, _number(run['slow_rpm'], '.1f'))
+        table.add_row(str(number + 1), *(report[number] if number < len(report) else ('', '', '')), *ours)
+    return table
+
+
+def _critical_speed(values: Mapping[str, Any]) -> Table:
+    table = _table('Table 3: critical stabilising forcing frequency', '', '1997', 'rig')
+    readings = read_table(resource_path('config', 'tables', '1997.csv'))
+    predicted = omega_crit_averaged(Plant())
+    fitted = {'inverse_rpm': inverse(readings).omega_crit, 'ols_rpm': ordinary(readings).omega_crit}
+    for label, key in (('experiment: ω² on Ω², as in 1997', 'inverse_rpm'), ('experiment: Ω² on ω²', 'ols_rpm')):
+        table.add_row(label, _number((fitted[key] or 0) / RPM, '.1f', ' RPM'), _number(values[key], '.1f', ' RPM'))
+    table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))
+    error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
+    ours = None if values['inverse_rpm'] is None else 100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1)
+    table.add_row('error', f'{error:.1f} %', _number(ours, '.1f', ' %'))
+    table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
+    low, high = values['omega_crit_interval_rpm'] or (None, None)
+    table.add_row('its 95 % interval', '', f'{_end(low)} to {_end(high)} RPM')
+    if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
+        table.add_row(
+            'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
+        )
+    table.add_row('exact threshold of the plant simulated', '', _number(values['truth_rpm'], '.2f', ' RPM'))
+    return table
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify='left')
+    for column in columns:
+        table.add_column(column, justify='right' if column else 'left')
+    return table
+
+
+def _end(rpm: float | None) -> str:
+    return 'unbounded' if rpm is None else f'{rpm:.0f}'
+
+
+def _number(value: float | None, form: str, unit: str = '') -> str:
+    return 'none' if value is None else f'{value:{form}}{unit}'

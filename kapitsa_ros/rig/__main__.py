@@ -1,5 +1,0 @@
-"""`python -m kapitsa_ros.rig`: the command line without its script."""
-
-from kapitsa_ros.rig.cli import main
-
-main()

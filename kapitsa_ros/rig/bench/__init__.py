@@ -1,1 +1,0 @@
-"""The bench: a person's hands on the rig, in a terminal."""

@@ -1,0 +1,110 @@
+"""The processes of a rig: started together, watched, and stopped whatever happens."""
+
+from __future__ import annotations
+
+import select
+import signal
+import time
+from typing import TYPE_CHECKING, Any, Self
+
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.node_process import NodeProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from types import TracebackType
+
+
+GRACE = 2.0
+"""Seconds between asking a node to end and ending it."""
+
+
+HASTE = 1.2
+"""The same after something went wrong: whoever waits for the rig wants to be told."""
+
+
+class NodeGroup:
+    """The processes of a rig. A context: on leaving it, none is left."""
+
+    def __init__(self, roles: Sequence[str], parameters: Mapping[str, Any], domain: int) -> None:
+        self._processes: list[NodeProcess] = []
+        self._left: dict[str, float] = {}
+        try:
+            for role in roles:
+                self._processes.append(NodeProcess(role, parameters, domain))
+        except BaseException:
+            self.stop(HASTE)
+            raise
+
+    def __enter__(self) -> Self:
+        """Start is over already."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop all."""
+        self.stop(GRACE if kind is None else HASTE)
+
+    def __getitem__(self, role: str) -> NodeProcess:
+        """Return the process of a role."""
+        return next(process for process in self._processes if process.role == role)
+
+    def check(self) -> bool:
+        """Return whether all have ended as they should; False while one runs.
+
+        Raises
+        ------
+        RigError
+            A node died; the message names it and its last words.
+
+        """
+        ended = [(process, process.status()) for process in self._processes]
+        failed = [(process, status) for process, status in ended if status]
+        # A node that broke is more telling than one that was killed, and than those that fell with it.
+        for process, status in sorted(failed, key=lambda pair: pair[1] < 0):
+            how = f'was killed by {signal.Signals(-status).name}' if status < 0 else f'died with status {status}'
+            words = process.last_error_lines()
+            raise RigError(f'{process.role} {how}{": " + words if words else ""}')
+        return all(status == 0 for _, status in ended)
+
+    def refuse_leavers(self, patience: float) -> None:
+        """Refuse that a node ended of itself, as after a signal, while others still need it.
+
+        Raises
+        ------
+        RigError
+            One did, longer ago than `patience` seconds.
+
+        """
+        now = time.monotonic()
+        for process in self._processes:
+            if process.status() == 0 and now - self._left.setdefault(process.role, now) > patience:
+                raise RigError(f'{process.role} was ended before the session was over')
+
+    def wait(self, timeout: float, *news: int) -> bool:
+        """Wait until a node ends, a file descriptor of `news` can be read, or the time is over; then check.
+
+        Raises
+        ------
+        RigError
+            A node died.
+
+        """
+        running = [process.pidfd for process in self._processes if process.status() is None]
+        if running:
+            select.select([*running, *news], [], [], timeout)
+        return self.check()
+
+    def stop(self, grace: float) -> None:
+        """End every node: asked first, then made to."""
+        for number in (signal.SIGCONT, signal.SIGINT):
+            for process in self._processes:
+                process.end(number)
+        deadline = time.monotonic() + grace
+        for process in self._processes:
+            select.select([process.pidfd], [], [], max(0.0, deadline - time.monotonic()))
+            process.end(signal.SIGKILL)
+        for process in self._processes:
+            process.close()
+        self._processes.clear()

@@ -1,0 +1,109 @@
+"""Nodes as processes: started together, watched, and stopped whatever happens."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.rig.environment import node_environment
+
+if TYPE_CHECKING:
+    import signal
+    from collections.abc import Mapping
+
+LAST_LINES = 20
+
+
+class NodeProcess:
+    """One node as a process of its own.
+
+    Parameters
+    ----------
+    role
+        Executable and name of the node.
+    parameters
+        ROS parameters; those the node does not declare are ignored by it.
+    domain
+        ROS domain.
+
+    """
+
+    def __init__(self, role: str, parameters: Mapping[str, Any], domain: int) -> None:
+        self.role = role
+        self._lines: deque[str] = deque(maxlen=LAST_LINES)
+        self._news = threading.Condition()
+        command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '--disable-external-lib-logs']
+        for name, value in parameters.items():
+            command += ['-p', f'{name}:={_yaml(value)}']
+        # A session of its own: Ctrl-C reaches the rig, which then ends its nodes in order.
+        self._process = subprocess.Popen(  # noqa: S603
+            command,
+            env=node_environment(domain),
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
+            errors='replace',
+            start_new_session=True,
+        )
+        self.pidfd = os.pidfd_open(self._process.pid)
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def pid(self) -> int:
+        """Process id."""
+        return self._process.pid
+
+    def status(self) -> int | None:
+        """Return the exit status, or None while it runs."""
+        return self._process.poll()
+
+    def last_error_lines(self) -> str:
+        """Return what it said last; an error of its own if there was one."""
+        self._reader.join(timeout=1.0)
+        lines = [line for line in self._lines if line.strip()]
+        errors = [line for line in lines if line.startswith(f'{self.role}: error: ')]
+        complaints = [line for line in lines if not line.startswith('[INFO]')]
+        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(complaints[-3:])
+
+    def wait_for_line(self, text: str, timeout: float) -> bool:
+        """Wait until it says a line with a text in it; return False if it does not in time."""
+        with self._news:
+            return self._news.wait_for(lambda: any(text in line for line in self._lines), timeout)
+
+    def end(self, number: signal.Signals) -> None:
+        """Send a signal, if it still runs."""
+        if self.status() is None:
+            self._process.send_signal(number)
+
+    def close(self) -> None:
+        """Wait for the end and let go of what the system keeps for it."""
+        self._process.wait()
+        self._reader.join(timeout=1.0)
+        if self._process.stderr is not None:
+            self._process.stderr.close()
+        os.close(self.pidfd)
+
+    def _read(self) -> None:
+        assert self._process.stderr is not None  # noqa: S101
+        try:
+            for line in self._process.stderr:
+                with self._news:
+                    self._lines.append(line.rstrip())
+                    self._news.notify_all()
+        except ValueError:
+            pass  # closed from the other side while stopping
+
+
+def _yaml(value: Any) -> str:
+    """Write a parameter as ROS reads it: as YAML, on one line."""
+    if isinstance(value, list):
+        return f'[{", ".join(map(_yaml, value))}]'
+    if isinstance(value, str):
+        return "'" + value.replace("'", "''") + "'"
+    return str(value).lower() if isinstance(value, bool) else repr(value)

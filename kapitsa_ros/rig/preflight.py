@@ -1,0 +1,60 @@
+"""What is made sure before a rig starts, so that a session does not fail where it could have been refused."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.operator.protocol import MANUAL
+from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.recording.naming import refuse_existing
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kapitsa_ros.rig.setup import Setup
+
+
+def prepare(setup: Setup) -> None:
+    """Make the folder for the bags, after a look at what the protocol asks for.
+
+    Raises
+    ------
+    UsageError
+        The folder for the bags cannot be written, or the jigsaw cannot turn so fast.
+    BagError
+        A run of that name is there already.
+    ProtocolError
+        There is no such protocol.
+
+    """
+    # A manual run begins with the shaft at rest.
+    speeds = (0.0,) if setup.protocol == MANUAL else setup.carried_out().speeds
+    for speed in speeds:
+        if speed > MAX_SPEED:
+            raise UsageError(
+                f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
+            )
+    refuse_existing(setup.bags, speeds)
+    make_writable(setup.bags)
+
+
+def make_writable(folder: Path) -> None:
+    """Make the folder for the bags.
+
+    Raises
+    ------
+    UsageError
+        It cannot be made, or not be written.
+
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UsageError(
+            f'--bags {folder}: cannot be made ({error.strerror}); give a folder you can write to'
+        ) from error
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise UsageError(f'--bags {folder}: cannot be written; give a folder you can write to')

@@ -1,0 +1,57 @@
+"""The one list of nodes, and what each is told; launch files, harness and command line all start from it."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.network.topics import ROLES
+from kapitsa_ros.operator.protocol import MANUAL, Protocol, load_protocol
+from kapitsa_ros.physics.plant import Plant
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+REPLAY_ROLES = ('player', 'analyser')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Setup:
+    """What a rig is made of; everything a node is told follows from it."""
+
+    plant: Plant = field(default_factory=Plant)
+    instruments: str = '1997'
+    protocol: str = '1997'
+    seed: int = 1
+    rate: float = 0.0
+    bags: Path = Path('runs')
+    storage: str = 'mcap'
+    roles: tuple[str, ...] = ROLES
+
+    def carried_out(self) -> Protocol:
+        """Return the protocol."""
+        return load_protocol(self.protocol)
+
+
+def parameters(setup: Setup) -> dict[str, Any]:
+    """Return the parameters that every node of a rig is given; each takes those it declares."""
+    instruments = load_instruments(setup.instruments)
+    return {
+        **asdict(setup.plant),
+        **asdict(instruments.strobe),
+        **asdict(instruments.stopwatch),
+        'expect': list(setup.roles),
+        'protocol': setup.protocol,
+        **({} if setup.protocol == MANUAL else {'swings': setup.carried_out().swings}),
+        'seed': setup.seed,
+        'rate': float(setup.rate),
+        'bags': str(setup.bags),
+        'storage': setup.storage,
+    }
+
+
+def replay_parameters(bags: Sequence[Path], rate: float) -> dict[str, Any]:
+    """Return the parameters of player and analyser."""
+    return {'expect': list(REPLAY_ROLES), 'bags': [str(bag) for bag in bags], 'rate': float(rate)}

@@ -1,0 +1,74 @@
+"""Shared memory that killed nodes have left behind."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import time
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+_FOLDER = Path('/dev/shm')  # noqa: S108  # where Fast DDS keeps its segments
+_SEGMENT = re.compile(r'(fastrtps_[0-9a-f]{16})(?:_el)?')
+"""What every participant makes; the ports beside them are of nodes without config/loopback.xml, and not of a rig."""
+_LOCK = '_el'
+"""Ending of the file that the owner of a segment holds locked while it lives."""
+_LOCKED = re.compile(r'[0-9a-f]+:[0-9a-f]+:\d+')
+"""Device and inode, as /proc/locks has them."""
+_NEW = 1.0
+"""Seconds after which the maker of a lock has taken it."""
+
+
+@contextmanager
+def removing_stale_segments() -> Iterator[None]:
+    """Remove what earlier processes left, and on the way out what those of the context left."""
+    remove_stale_segments()
+    try:
+        yield
+    finally:
+        remove_stale_segments()
+
+
+def remove_stale_segments() -> None:
+    """Remove the segments of Fast DDS that have no owner: a process that is killed cannot do it itself."""
+    for name in stale_segments():
+        for file in (name, f'{name}{_LOCK}'):
+            with suppress(OSError):  # somebody else's, or somebody was faster
+                (_FOLDER / file).unlink()
+
+
+def stale_segments() -> set[str]:
+    """Return the names of the segments that have no owner."""
+    if not _FOLDER.is_dir():
+        return set()
+    left = {match[1] for path in _FOLDER.iterdir() if (match := _SEGMENT.fullmatch(path.name))}
+    # To try a lock takes it for a moment, in which its owner to be could not: so it is tried only where the list of
+    # held ones, which may lack some while others come and go, does not name it.
+    held = set(_LOCKED.findall(Path('/proc/locks').read_text(encoding='ascii')))
+    return {name for name in left if not _lives(_FOLDER / f'{name}{_LOCK}', held)}
+
+
+def _lives(lock: Path, held: set[str]) -> bool:
+    """Tell whether a lock is held, or so new that it may be just about to be."""
+    try:
+        file = lock.stat()
+        name = f'{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}:{file.st_ino}'
+        return name in held or time.time() - file.st_ctime < _NEW or _is_held(lock)
+    except FileNotFoundError:
+        return False
+    except PermissionError:
+        return True  # somebody else's
+
+
+def _is_held(lock: Path) -> bool:
+    with lock.open('rb') as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+    return False

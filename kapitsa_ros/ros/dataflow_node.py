@@ -1,0 +1,187 @@
+"""A node of the dataflow network: emits step n once it has its inputs for step n."""
+
+from __future__ import annotations
+
+import time
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
+from rclpy.duration import Duration
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+from kapitsa_ros.network.cdr import encode_silence, read_step_id
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.messages import load_codecs
+from kapitsa_ros.network.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
+from kapitsa_ros.ros.diagnostics import failure_message, health_message
+from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.peer_discovery import PeerDiscovery
+from kapitsa_ros.ros.qos import LATCHED, STREAM, message_class
+from kapitsa_ros.ros.throttle import Throttle
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.publisher import Publisher
+
+    from kapitsa_ros.network.step_id import StepId
+
+IDLE = 1.0
+"""Seconds between two looks around when only messages give work."""
+LOOK_PERIOD = 0.05
+"""Seconds between two looks at the graph while peers are missing."""
+HEALTH_PERIOD = 1.0
+"""Seconds of wall time between two reports of a node's health."""
+GRACE = 3.0
+"""Seconds for which messages are waited for to be taken before it is said."""
+LEASE = 25.0
+"""Seconds after which DDS has given up a reader that is silent; who is still not served then never will be."""
+PARTING = Duration(nanoseconds=200_000_000)
+"""How long words are waited for that nobody depends on."""
+
+
+class DataflowNode(Node):
+    """Base of the eight nodes: numbered topics in and out, and peers to wait for.
+
+    Parameters
+    ----------
+    name
+        The role, one of `topics.NODES` or `player`.
+    reads, writes
+        Its numbered topics; those that an unexpected peer would write are left out.
+
+    """
+
+    def __init__(self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...]) -> None:
+        super().__init__(name)
+        expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
+        self.expected = frozenset(expect or ())
+        unknown = self.expected - {*ROLES, 'player', 'observer', 'client'}
+        if unknown or not self.expected:
+            raise SettingError(f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLES)}')
+        self.finished = False
+        self._failure: Exception | None = None
+        self._refused = 0
+        self._held_up = 0
+        self._health = Throttle(HEALTH_PERIOD)
+        self.diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
+        if reads and not self.reads:
+            raise SettingError(f'parameter expect: nobody there would write {reads[0].name}')
+        self.writes = writes
+        self._out = {
+            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes
+        }
+        for topic in self.reads:
+            self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
+        load_codecs(topic.type for topic in (*self.reads, *writes))
+        self._peers = PeerDiscovery(self, writes, self.reads, self.expected)
+
+    # What a role adds.
+
+    def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:
+        """Take a message in; return False if its step was there before."""
+        raise NotImplementedError
+
+    def advance(self) -> float:
+        """Do all steps whose inputs are there; return the seconds until the next call is due without a message."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Leave nothing half done: called once, however the node ends."""
+
+    # What every role has.
+
+    def latch_settings(self, text: str) -> None:
+        """Publish this node's settings for whoever records or analyses its runs, now or later."""
+        settings = message_class(SETTINGS_TYPE)
+        self.create_publisher(settings, settings_topic(self.get_name()), LATCHED).publish(settings(data=text))
+
+    def emit(self, topic: Topic, raw: bytes) -> None:
+        """Publish one message; a reader that is behind slows the writer, it does not break it."""
+        publisher = self._out[topic.name]
+        said = False
+        while True:
+            try:
+                publisher.publish(raw)
+            except RCLError:
+                if not self.context.ok():
+                    raise ExternalShutdownException from None
+                if not said:
+                    self._say_held_up(topic.name, 'is full')
+                    said = True
+                time.sleep(0.01)
+            else:
+                return
+
+    def emit_silence(self, topic: Topic, step_id: StepId, stamp_ns: int) -> None:
+        """Publish a message that holds nothing but its number."""
+        self.emit(topic, encode_silence(topic.type, stamp_ns, step_id))
+
+    def refuse(self, why: str) -> None:
+        """Count input that was not used, and say so once in a while."""
+        self._refused += 1
+        self.get_logger().warning(f'refused: {why} ({self._refused} so far)', throttle_duration_sec=5.0)
+
+    def finish(self) -> None:
+        """Leave once the last messages have been taken by their readers."""
+        for publisher in self._out.values():
+            self.wait_until_taken(publisher)
+        self.diagnostics.wait_for_all_acked(PARTING)
+        self.finished = True
+
+    def wait_until_taken(self, publisher: Publisher) -> None:
+        """Wait for the readers of a topic to take all that was published, as long as DDS waits for them."""
+        begin = time.monotonic()
+        said = False
+        while self.context.ok() and not publisher.wait_for_all_acked(PARTING):
+            waited = time.monotonic() - begin
+            if waited > GRACE and not said:
+                self._say_held_up(publisher.topic_name, 'has not been taken')
+                said = True
+            if waited > LEASE:
+                return
+
+    def fail(self, error: Exception) -> None:
+        """Tell whoever watches `diagnostics` why this node ends."""
+        with suppress(RCLError):  # nobody can be told once a signal has shut the context
+            self.diagnostics.publish(failure_message(self.get_name(), self.get_clock().now().nanoseconds, str(error)))
+            self.diagnostics.wait_for_all_acked(PARTING)
+
+    def poll(self) -> float:
+        """Do what is due; return the seconds until the next call."""
+        if self._failure is not None:
+            raise self._failure
+        if self._health.due():
+            now = self.get_clock().now().nanoseconds
+            self.diagnostics.publish(health_message(self.get_name(), now, self._refused, self._held_up))
+        return self.advance() if self._peers.ready() else LOOK_PERIOD
+
+    def _say_held_up(self, topic: str, how: str) -> None:
+        readers = ', '.join(self._peers.readers(topic))
+        self.get_logger().warning(f'{topic} {how}: waiting for a reader that has stopped ({readers})')
+        self._held_up += 1
+
+    def _taker(self, name: str) -> Callable[[bytes], None]:
+        def take(raw: bytes) -> None:
+            try:
+                self._take(name, raw)
+            except Exception as error:  # noqa: BLE001  # thrown through the executor it would lose its type
+                self._failure = error
+
+        return take
+
+    def _take(self, name: str, raw: bytes) -> None:
+        try:
+            fresh = self.accept(name, read_step_id(raw), raw)
+        except WireError as error:
+            self.refuse(f'{name}: {error}')
+            return
+        if not fresh:
+            self.refuse(f'a step of {name} that was there before')
+        elif self._peers.matched:
+            self.advance()

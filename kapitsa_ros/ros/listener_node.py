@@ -1,0 +1,65 @@
+"""A participant in another process than the nodes': listens from a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Self
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+
+from kapitsa_ros.ros.shutdown import wait_until_quiet
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+PATIENCE = 1.0
+"""Seconds for which the domain may take to come to rest before a spectator leaves it."""
+
+
+class ListenerNode:
+    """A node with a context of its own, so that several rigs fit in one process. A context: it listens while it lasts.
+
+    Parameters
+    ----------
+    name
+        Of the node; the roles may be told to wait for it.
+    domain
+        ROS domain of the rig.
+
+    """
+
+    def __init__(self, name: str, domain: int) -> None:
+        self._domain = domain
+        self._context = Context()
+        rclpy.init(context=self._context, domain_id=domain)
+        self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        self._executor = EventsExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._thread = threading.Thread(target=self._spin, daemon=True)
+
+    def __enter__(self) -> Self:
+        """Begin to listen."""
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop listening."""
+        self._context.try_shutdown()
+        self._thread.join()
+        self._executor.shutdown()
+        # Others may just be leaving.
+        wait_until_quiet(self._domain, PATIENCE)
+        self._node.destroy_node()
+
+    def _spin(self) -> None:
+        try:
+            while self._context.ok():
+                self._executor.spin_once(timeout_sec=0.2)
+        except ExternalShutdownException:
+            pass

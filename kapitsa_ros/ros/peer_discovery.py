@@ -1,0 +1,80 @@
+"""Who else has to be there before the first step."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.ros.errors import NodeError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rclpy.node import Node
+
+    from kapitsa_ros.network.topics import Topic
+
+PATIENCE = 3.0
+"""Seconds before the first line about who is missing; each next one comes after twice the time."""
+
+
+class PeerDiscovery:
+    """Watches the graph until every expected reader and writer of this node's topics is matched.
+
+    Holding back the first message is all it takes: in a dataflow network a late message changes nothing.
+    """
+
+    def __init__(self, node: Node, writes: Iterable[Topic], reads: Iterable[Topic], expected: frozenset[str]) -> None:
+        self._node = node
+        self._writes = {topic: set(topic.readers) & expected for topic in writes}
+        self._reads = tuple(reads)
+        self._next_line = time.monotonic() + PATIENCE
+        self._wait = PATIENCE
+        self.matched = False
+
+    def ready(self) -> bool:
+        """Whether everyone is there; says who is missing, at growing intervals.
+
+        Raises
+        ------
+        NodeError
+            Someone else has this node's role: the domain is taken.
+
+        """
+        if self.matched:
+            return True
+        self._refuse_doubles()
+        missing = self._missing()
+        if not missing:
+            self.matched = True
+        elif time.monotonic() > self._next_line:
+            self._wait *= 2
+            self._next_line = time.monotonic() + self._wait
+            domain = self._node.context.get_domain_id()
+            self._node.get_logger().info(
+                f'waiting for {", ".join(sorted(missing))} in domain {domain}: start with `kapitsa node NAME`'
+            )
+        return self.matched
+
+    def readers(self, topic: str) -> list[str]:
+        """Return the names of the nodes that read a topic."""
+        return sorted(info.node_name for info in self._node.get_subscriptions_info_by_topic(topic))
+
+    def _missing(self) -> set[str]:
+        missing: set[str] = set()
+        for topic, wanted in self._writes.items():
+            missing |= wanted - set(self.readers(topic.name))
+        for topic in self._reads:
+            if not self._node.get_publishers_info_by_topic(topic.name):
+                missing.add(topic.writer)
+        return missing
+
+    def _refuse_doubles(self) -> None:
+        for topic in (*self._writes, *self._reads):
+            writers = self._node.get_publishers_info_by_topic(topic.name)
+            if len(writers) > 1:
+                domain = self._node.context.get_domain_id()
+                raise NodeError(
+                    f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already; '
+                    'choose another ROS_DOMAIN_ID or stop it'
+                )

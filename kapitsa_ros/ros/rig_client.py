@@ -1,0 +1,188 @@
+"""A hand and an eye in somebody's own process: asks for things, calls services, keeps what the graph says."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import threading
+from collections import deque
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+from kapitsa_ros.network import messages, topics
+from kapitsa_ros.network.cdr import is_silence, read_step_id
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.ros.listener_node import ListenerNode
+from kapitsa_ros.ros.qos import STREAM, message_class
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import TracebackType
+
+    from rclpy.publisher import Publisher
+    from rclpy.task import Future
+
+    from kapitsa_ros.network.step_id import StepId
+
+ROLE = 'client'
+UNREAD = 1000
+"""Messages a topic keeps until they are read; then the oldest are forgotten."""
+_DECODE: dict[str, Callable[[bytes], Any]] = {
+    topics.COMMAND.name: messages.decode_command,
+    topics.PIVOT.name: messages.decode_samples,
+    topics.MOTION.name: messages.decode_samples,
+    topics.STROBE.name: messages.decode_strobe,
+    topics.STOPWATCH.name: messages.decode_stopwatch,
+    topics.RESULT.name: messages.decode_result,
+}
+TOPICS = tuple(_DECODE)
+"""Those that can be read."""
+FOLLOWED = (*TOPICS, topics.WRITTEN.name)
+"""Those whose numbers tell how far the graph is."""
+
+
+class _Message(NamedTuple):
+    step_id: StepId
+    raw: bytes
+
+
+class News(NamedTuple):
+    """What the graph said."""
+
+    topic: str
+    step_id: StepId
+    value: Any
+    """The message as the rooms without ROS have it."""
+
+
+class RigClient(ListenerNode):
+    """Listens to all numbered topics of a rig. A context: it listens while it lasts.
+
+    Nothing here waits; `news` becomes readable whenever a message or an answer came.
+
+    Parameters
+    ----------
+    domain
+        ROS domain of the rig.
+
+    """
+
+    def __init__(self, domain: int) -> None:
+        self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
+        """File descriptor."""
+        self.seen: dict[str, StepId | None] = dict.fromkeys(FOLLOWED)
+        """Number of the newest message by topic; silent ones and ends of runs count too."""
+        self._newest: dict[str, _Message] = {}
+        self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in FOLLOWED}
+        self._lock = threading.Lock()
+        super().__init__(ROLE, domain)
+        for topic in (*topics.RECORDED, topics.WRITTEN):
+            self._node.create_subscription(message_class(topic.type), topic.name, self._taker(topic), STREAM, raw=True)
+        self._asks: dict[str, Publisher] = {
+            name: self._node.create_publisher(Float64, name, 10) for name in ('operator/speed', 'operator/release')
+        }
+        self._services = {
+            name: self._node.create_client(Trigger, f'jigsaw/{name}') for name in ('pause', 'resume', 'step', 'reset')
+        }
+        self._parameters = self._node.create_client(SetParameters, 'jigsaw/set_parameters')
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Stop listening."""
+        super().__exit__(kind, error, trace)
+        os.close(self.news)
+
+    def clear_news(self) -> None:
+        """Make `news` unreadable until something comes."""
+        with contextlib.suppress(BlockingIOError):
+            os.eventfd_read(self.news)
+
+    def take(self, topic: str, predicate: Callable[[Any], bool] | None) -> Any:
+        """Return the first unread message that fits, as a plain type, or None; those before it count as read."""
+        unread = self._unread[topic]
+        while unread:
+            with self._lock:
+                message = unread.popleft()
+            value = _DECODE[topic](message.raw)
+            if predicate is None or predicate(value):
+                return value
+        return None
+
+    def take_all(self) -> list[News]:
+        """Return the unread messages of all topics, in the order of their steps."""
+        with self._lock:
+            taken = [(name, message) for name in TOPICS for message in self._unread[name]]
+            for name in TOPICS:
+                self._unread[name].clear()
+        news = []
+        for name, message in taken:
+            with contextlib.suppress(WireError):  # somebody else's; the nodes of the rig say so
+                news.append(News(name, message.step_id, _DECODE[name](message.raw)))
+        return sorted(news, key=lambda item: (item.step_id.run, item.step_id.step))
+
+    def latest(self, topic: str) -> Any:
+        """Return the newest message that says something, as a plain type, or None."""
+        message = self._newest.get(topic)
+        return None if message is None else _DECODE[topic](message.raw)
+
+    def forget_before(self, run: int) -> None:
+        """Drop what was said in earlier runs; not their results, which come when a run is over."""
+        with self._lock:
+            for name, unread in self._unread.items():
+                if name == topics.RESULT.name:
+                    continue
+                kept = [message for message in unread if message.step_id.run >= run]
+                unread.clear()
+                unread.extend(kept)
+                if name in self._newest and self._newest[name].step_id.run < run:
+                    del self._newest[name]
+
+    def is_heard(self, topic: str) -> bool:
+        """Whether somebody takes requests on a topic."""
+        return self._asks[topic].get_subscription_count() > 0
+
+    def is_served(self) -> bool:
+        """Whether the node that owns time is there for calls."""
+        return all(client.service_is_ready() for client in (*self._services.values(), self._parameters))
+
+    def ask(self, topic: str, value: float) -> None:
+        """Publish a request."""
+        self._asks[topic].publish(Float64(data=value))
+
+    def call(self, service: str) -> Future:
+        """Call a service of the node that owns time; the answer is a Trigger.Response."""
+        return self._telling(self._services[service].call_async(Trigger.Request()))
+
+    def set_parameters(self, **values: float) -> Future:
+        """Set parameters of the node that owns time; the answer is a SetParameters.Response."""
+        wanted = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
+        return self._telling(self._parameters.call_async(SetParameters.Request(parameters=wanted)))
+
+    def _telling(self, future: Future) -> Future:
+        future.add_done_callback(lambda _: self._tell())
+        return future
+
+    def _tell(self) -> None:
+        os.eventfd_write(self.news, 1)
+
+    def _taker(self, topic: topics.Topic) -> Callable[[bytes], None]:
+        unread = self._unread[topic.name]
+
+        def take(raw: bytes) -> None:
+            try:
+                message = _Message(read_step_id(raw), raw)
+            except WireError:
+                return  # somebody else's; the nodes of the rig say so
+            with self._lock:
+                if not is_silence(topic.type, raw):
+                    self._newest[topic.name] = message
+                    unread.append(message)
+                self.seen[topic.name] = message.step_id
+            self._tell()
+
+        return take

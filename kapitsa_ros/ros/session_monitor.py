@@ -1,0 +1,107 @@
+"""A spectator in the rig's own process: listens to the graph without having a part in it."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING, Any
+
+from diagnostic_msgs.msg import DiagnosticArray
+
+from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.messages import decode_result
+from kapitsa_ros.network.step_id import ends_session
+from kapitsa_ros.network.topics import RESULT
+from kapitsa_ros.ros.listener_node import ListenerNode
+from kapitsa_ros.ros.qos import STREAM, message_class
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+
+PROGRESS = ('jigsaw: progress', 'player: progress')
+"""Names of the reports of those that own time; anybody may speak on `diagnostics`."""
+
+
+class SessionMonitor(ListenerNode):
+    """Keeps the newest progress and the newest results. A context: it listens while it lasts.
+
+    Parameters
+    ----------
+    domain
+        ROS domain of the rig.
+    on_progress
+        Called from another thread with the values of each progress report.
+
+    """
+
+    def __init__(self, domain: int, on_progress: Callable[[dict[str, str]], None] | None = None) -> None:
+        self.progress: dict[str, str] = {}
+        """Values of the newest report."""
+        self.runs: list[dict[str, Any]] = []
+        """Results of each run, in order, as the analyser published them."""
+        self.experiment: dict[str, Any] = {}
+        """Results of all runs so far together."""
+        self._ended = False
+        self._news = threading.Condition()
+        self._on_progress = on_progress
+        super().__init__('observer', domain)
+        self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
+        self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
+
+    def wait_for_end(self, timeout: float = 5.0) -> None:
+        """Wait until the last words of the analyser and of the owner of time have come.
+
+        Raises
+        ------
+        TimeoutError
+            They did not.
+
+        """
+        with self._news:
+            if not self._news.wait_for(lambda: self.session_over and self._ended, timeout):
+                raise TimeoutError('the rig did not say that the session is over')
+
+    @property
+    def session_over(self) -> bool:
+        """Whether the owner of time has said that no run follows."""
+        return self.progress.get('session_over') == 'True'
+
+    def wait_for_progress(self, timeout: float) -> dict[str, str]:
+        """Wait for the next report of progress and return its values.
+
+        Raises
+        ------
+        TimeoutError
+            None came.
+
+        """
+        with self._news:
+            known = self.progress
+            if not self._news.wait_for(lambda: self.progress is not known, timeout):
+                raise TimeoutError(f'no progress within {timeout} s')
+            return self.progress
+
+    def _take_progress(self, message: DiagnosticArray) -> None:
+        for status in message.status:
+            if status.name in PROGRESS:
+                with self._news:
+                    self.progress = {pair.key: pair.value for pair in status.values}
+                    self._news.notify_all()
+                if self._on_progress is not None:
+                    self._on_progress(self.progress)
+
+    def _take_result(self, raw: bytes) -> None:
+        try:
+            results = decode_result(raw)
+            step_id = read_step_id(raw)
+        except WireError:
+            return  # not the analyser's: it says nothing this cannot read
+        with self._news:
+            for name, values in results.items():
+                if name == 'experiment':
+                    self.experiment = values
+                else:
+                    self.runs.append(values)
+            self._ended = self._ended or ends_session(step_id)
+            self._news.notify_all()

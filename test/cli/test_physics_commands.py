@@ -1,0 +1,157 @@
+import json
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from kapitsa_ros.cli.commands.figures import figures
+from kapitsa_ros.cli.commands.simulate import simulate
+from kapitsa_ros.cli.commands.theory import theory
+from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.rig.errors import UsageError
+
+RUN = ('--speed', '2500', '--release', '0.12', '--duration', '2')
+
+
+def answer(command, *arguments):
+    result = CliRunner().invoke(command, [*arguments, '--json'])
+    assert result.exception is None, result.exception
+    return json.loads(result.stdout)
+
+
+def test_theory():
+    values = answer(theory, '--speed', '2500', '--speed', '20Hz')
+    assert values['mathieu_q'] == pytest.approx(0.153846, abs=1e-6)
+    assert values['omega_crit_averaged_rpm'] == pytest.approx(1353.0583736, abs=1e-6)
+    assert values['omega_crit_exact_rpm'] == pytest.approx(1354.8036386, abs=1e-6)
+    assert values['omega_crit_upper_rpm'] is None
+    fast, slow = values['speeds']
+    assert fast == {
+        'speed_rpm': pytest.approx(2500),
+        'mathieu_a': pytest.approx(-0.0034665410, rel=1e-8),
+        'stable': True,
+        'slow_averaged_rpm': pytest.approx(114.3445, abs=1e-4),
+        'slow_exact_rpm': pytest.approx(114.8162197, abs=1e-6),
+        'growth_per_s': 0.0,
+    }
+    assert slow['speed_rpm'] == pytest.approx(1200)
+    assert slow['stable'] is False
+    assert slow['slow_exact_rpm'] is None
+    assert slow['growth_per_s'] == pytest.approx(3.5985719, rel=1e-7)
+
+
+def test_theory_of_a_short_rod_has_both_limits():
+    values = answer(theory, '--length', '4in', '--amplitude', '2in', '--damping', '5')
+    assert values['omega_crit_upper_rpm'] > values['omega_crit_exact_rpm']
+
+
+def test_ladder():
+    rungs = answer(theory, '--speed', '2500', '--release', '0.12')['speeds'][0]['ladder']
+    assert rungs[-1]['slow_rpm'] == pytest.approx(114.17356201, abs=1e-7)
+    assert 'Butikov' in CliRunner().invoke(theory, ['--speed', '2500', '--release', '0.12']).output
+
+
+def test_simulate():
+    values = answer(simulate, *RUN)
+    assert set(values) == {
+        'slow_rpm',
+        'growth_per_s',
+        'max_angle_rad',
+        'fell',
+        'final_angle_rad',
+        'stuck',
+        'periods',
+    }
+    assert values['slow_rpm'] == pytest.approx(114.17356201, abs=1e-7)
+    assert values['periods'] == pytest.approx(2 * 114.17356201 / 60, rel=1e-8)
+    assert values['fell'] is False
+
+
+def test_simulate_a_fall():
+    values = answer(simulate, '--speed', '1200', '--release', '0.01', '--duration', '5')
+    assert values['fell'] is True
+    assert values['slow_rpm'] is None
+    assert values['growth_per_s'] == pytest.approx(3.6, rel=0.01)
+
+
+def test_simulate_until_it_sticks():
+    swinging = answer(simulate, *RUN[:4], '--duration', '10', '--coulomb', '2')
+    assert abs(swinging['final_angle_rad']) < 0.002
+    assert swinging['growth_per_s'] < 0
+    assert 2 < swinging['periods'] < 4
+    inside = answer(simulate, '--speed', '2500', '--release', '3e-4', '--duration', '1', '--coulomb', '2')
+    assert inside['stuck'] is True
+    assert inside['final_angle_rad'] == 3e-4
+
+
+@pytest.mark.parametrize('suffix', ['csv', 'npz', 'parquet'])
+def test_motion_is_written_with_all_its_digits(tmp_path, suffix):
+    if suffix == 'parquet':
+        pytest.importorskip('pyarrow')
+    file = tmp_path / f'motion.{suffix}'
+    last = answer(simulate, *RUN, '--output', str(file), '--sample-rate', '500')['final_angle_rad']
+    if suffix == 'csv':
+        table = np.genfromtxt(file, delimiter=',', names=True)
+    elif suffix == 'npz':
+        table = np.load(file)
+    else:
+        table = pytest.importorskip('pyarrow.parquet').read_table(file).to_pydict()
+    assert len(table['time_s']) == 1001
+    assert table['angle_rad'][-1] == last
+    assert table['time_s'][-1] == 2.0
+    assert table['pivot_m'][0] == -0.0127
+    assert table['rate_rad_s'][0] == 0.0
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'error'),
+    [
+        (['--output', 'motion.txt'], UsageError),
+        (['--sample-rate', '0'], ParameterError),
+        (['--duration', 'nan'], ParameterError),
+        (['--release', '2'], ParameterError),
+        (['--speed', '0'], ParameterError),
+        (['--length', '-1'], ParameterError),
+    ],
+)
+def test_simulate_refuses(arguments, error):
+    assert isinstance(CliRunner().invoke(simulate, [*RUN, *arguments]).exception, error)
+
+
+def test_study(kapitsa):
+    values = kapitsa('study', '--duration', '3', '--cycles', '1000', '--json').json['verdicts']
+    assert values[-1]['solver'] == 'ours, 1000 cycles'
+    assert abs(values[-1]['growth']) < 1e-9
+
+
+def test_figures(tmp_path):
+    pytest.importorskip('matplotlib')
+    files = answer(figures, '--output', str(tmp_path / 'drawn'))['figures']
+    assert [file[-5] for file in files] == ['2', '4', '5', '6']
+    assert all((tmp_path / 'drawn' / f'figure_{number}.png').stat().st_size > 10_000 for number in (2, 4, 5, 6))
+
+
+def test_simulate_a_bending_rod(tmp_path):
+    file = tmp_path / 'motion.npz'
+    values = answer(simulate, *RUN, '--bending-frequency', '400Hz', '--bending-damping', '0.01', '--output', str(file))
+    assert set(values) == set(answer(simulate, *RUN))
+    # The damped mode draws on the slow motion; the rigid rod swings at 114.17 RPM.
+    assert values['slow_rpm'] == pytest.approx(114.0, abs=0.2)
+    assert values['stuck'] is False
+    table = np.load(file)
+    assert list(table) == ['time_s', 'angle_rad', 'rate_rad_s', 'pivot_m', 'deflection_m']
+    assert 1e-6 < np.abs(table['deflection_m']).max() < 1e-3
+    bare = answer(simulate, *RUN, '--bending-frequency', '400', '--bending-damping', '0.01')
+    assert bare == values
+
+
+@pytest.mark.parametrize('more', [['--linear'], ['--coulomb', '1'], ['--clearance', '0.1mm']])
+def test_a_bending_rod_is_neither_rubbing_nor_linear(more):
+    result = CliRunner().invoke(simulate, [*RUN, '--bending-frequency', '400Hz', *more])
+    assert 'leave the bending out' in str(result.exception)
+    assert isinstance(result.exception, ParameterError)
+
+
+def test_bending_damping_needs_a_bending_rod():
+    result = CliRunner().invoke(simulate, [*RUN, '--bending-damping', '0.1'])
+    assert isinstance(result.exception, UsageError)

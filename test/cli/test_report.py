@@ -1,0 +1,132 @@
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip('matplotlib')
+pytest.importorskip('jinja2')
+
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
+from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.cli.commands.report import report
+from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.reporting.report import gather, render
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.units import RPM
+
+
+@pytest.fixture(scope='module')
+def runs():
+    recorded = []
+    for path in sorted(resource_path('bags').iterdir()):
+        bag = RunBag(path)
+        seconds = (bag.motion.stamps_ns - bag.motion.stamps_ns[0]) / SECOND
+        recorded.append(RecordedRun(name=path.name, run=bag.run, time=seconds, angle=bag.motion.angle))
+    return recorded
+
+
+@pytest.fixture(scope='module')
+def page(runs):
+    return render(gather(runs, read_table(resource_path('config', 'tables', '1997.csv')), experiments=2))
+
+
+@pytest.fixture(scope='module')
+def of_one_bag(runs):
+    return gather(runs[:1], read_table(resource_path('config', 'tables', '1997.csv')), experiments=1)
+
+
+class _Reader(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.text, self.references, self.tags = '', [], []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.references += [value for name, value in attrs if name in ('src', 'href', 'xlink:href', 'data', 'action')]
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def test_no_request_leaves_the_file(page):
+    reader = _Reader()
+    reader.feed(page)
+    assert all(reference.startswith('#') for reference in reader.references)
+    assert all(target.startswith('#') for target in re.findall(r'url\(([^)]*)\)', page))
+    assert '@import' not in page
+    assert not {'script', 'link', 'iframe', 'object'} & set(reader.tags)
+
+
+def test_tables_and_figures_of_1997_stand_beside_the_runs(page, runs):
+    reader = _Reader()
+    reader.feed(page)
+    for number in (1, 2, 3):
+        assert f'Table {number}' in reader.text
+    for number in (2, 3, 4, 5, 6):
+        assert f'aria-label="Figure {number}' in page
+    for figure in ('1640.0', '1636.2', '1353.06', '+21.2 %', f'{runs[0].run.period:.3f}'):
+        assert figure in reader.text
+    fit = direct_fit(evidence_of([run.run for run in runs]), Ruler(amplitude=runs[0].run.plant.amplitude))
+    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert 'inertia factor, large swing, amplitude, stopwatch scale' in reader.text
+
+
+def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
+    reader = _Reader()
+    reader.feed(page)
+    answer = ' '.join(reader.text.split())
+    assert 'Not by itself. On the bearing the report recommends' in answer
+    assert 'bearing, inertia as built' in answer
+    for truth in ('1354.8', '1594.4', '1610.3'):
+        assert truth in answer
+
+
+def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
+    reader = _Reader()
+    reader.feed(render(of_one_bag))
+    fit = direct_fit(evidence_of([runs[0].run]), Ruler(amplitude=runs[0].run.plant.amplitude))
+    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert 'Single causes against the readings of these runs' not in reader.text
+
+
+def test_runs_off_the_curve_are_said_to_be(of_one_bag):
+    *others, best = of_one_bag.estimates
+    for discrepancy, words in ((0.004, '0.4\xa0% of each period'), (None, 'contradict one another')):
+        reader = _Reader()
+        reader.feed(render(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
+        assert words in reader.text
+
+
+def test_swing_begins_where_it_was_let_go(runs):
+    for recorded in runs:
+        time, angle = recorded.free_swing()
+        assert time[0] == 0
+        assert abs(angle[0]) == pytest.approx(recorded.run.release, rel=0.01)
+        assert time[-1] > 1.0
+
+
+def test_folder_that_is_not_there_is_refused_before_the_work(tmp_path):
+    bag = str(resource_path('bags', 'run_01_2240rpm'))
+    result = CliRunner().invoke(report, [bag, '--output', str(tmp_path / 'nowhere' / 'r.html')])
+    assert isinstance(result.exception, UsageError)
+    assert 'no directory' in str(result.exception)
+    assert not list(tmp_path.iterdir())
+
+
+def test_bag_given_twice_is_said_to_count_twice(kapitsa):
+    bag = resource_path('bags', 'run_01_2240rpm')
+    assert 'run_01_2240rpm is given more than once' in kapitsa('analyse', bag, bag, '--json').err
+    assert not kapitsa('analyse', bag, '--json').err
+
+
+def test_bag_that_is_none_is_refused_before_anything_is_written(tmp_path):
+    output = tmp_path / 'report.html'
+    result = CliRunner().invoke(report, [str(tmp_path), '--output', str(output)])
+    assert isinstance(result.exception, BagError)
+    assert not output.exists()

@@ -1,0 +1,148 @@
+import numpy as np
+import pytest
+
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of, true_threshold
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.line_fit import inverse
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.laboratory.campaign import Outcome, perform, perform_all, summarise
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.network.errors import RunError
+from kapitsa_ros.operator.protocol import Protocol, load_protocol
+from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact
+from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.units import RPM
+
+IDEAL = Plant()
+TRUTH = omega_crit_exact(IDEAL)
+
+
+def experiment(plant=IDEAL, instruments='1997', protocol=None, seed=1):
+    return SimulatedExperiment(
+        plant=plant,
+        instruments=load_instruments(instruments),
+        protocol=protocol or load_protocol('1997'),
+        seed=seed,
+    )
+
+
+class Here:
+    count = 1
+
+    def map(self, function, seeds):
+        return map(function, seeds)
+
+
+def test_blind_analysis_of_ideal_readings_sees_what_averaging_misses():
+    evidence = evidence_of(experiment(instruments='ideal').runs())
+    for speed, period in zip(evidence.timed.forcing, evidence.timed.period, strict=True):
+        assert period == pytest.approx(2 * np.pi / slow_frequency_nonlinear(IDEAL, speed, 0.12), rel=1e-5)
+    fit = direct_fit(evidence, Ruler(amplitude=IDEAL.amplitude))
+    assert fit.omega_crit / RPM == pytest.approx(1354.8036, rel=2e-4)  # averaged theory is 1.3e-3 away
+    assert fit.interval[0] < TRUTH < fit.interval[1]
+
+
+def test_friction_of_a_bearing_stays_within_the_interval():
+    fit = direct_fit(evidence_of(experiment(load_preset('bearing'), 'ideal').runs()), Ruler(amplitude=IDEAL.amplitude))
+    assert fit.interval[0] < omega_crit_exact(load_preset('bearing')) < fit.interval[1]
+
+
+@pytest.mark.parametrize('seed', [1, 2])
+def test_friction_the_curve_does_not_know_stays_within_the_interval(seed):
+    plant = load_preset('as_built_1997')  # Coulomb friction eats the swing, and one release has to be doubled
+    outcome = perform(experiment(plant, 'ideal'), seed)
+    assert outcome.covers(true_threshold(plant))
+    assert (outcome.interval[1] - outcome.interval[0]) / RPM < 100
+
+
+def test_same_seed_same_readings_and_other_seeds_others():
+    runs = [experiment(seed=seed).runs() for seed in (1, 1, 2)]
+    shown = [[(run.speeds, run.timings) for run in each] for each in runs]
+    assert shown[0] == shown[1] != shown[2]
+
+
+def test_runs_that_fall_are_bounds():
+    protocol = Protocol(speeds=(1340 * RPM, 1370 * RPM, 2000 * RPM))
+    evidence = evidence_of(experiment(protocol=protocol).runs())
+    assert [bound.speed / RPM for bound in evidence.fell] == pytest.approx([1340], abs=12)
+    assert evidence.timed.forcing / RPM == pytest.approx([1370, 2000], abs=15)
+    fit = direct_fit(evidence, Ruler(amplitude=IDEAL.amplitude))
+    assert fit.interval[0] / RPM > 1325
+    assert fit.interval[0] < TRUTH < fit.interval[1]
+
+
+def test_friction_that_stops_the_swing_is_a_bound_from_above():
+    sticky = Plant(coulomb=3.0)
+    evidence = evidence_of(experiment(sticky, protocol=Protocol(speeds=(2240 * RPM,), swings=10)).runs())
+    assert len(evidence.stood) == 1
+    assert not evidence.timed.period.size
+
+
+def test_settings_that_describe_no_instrument_are_refused():
+    runs = experiment().runs()
+    runs[0].settings['strobe']['instrument']['dial_resolution'] = 'ten'
+    with pytest.raises(RunError, match='strobe'):
+        evidence_of(runs)
+    with pytest.raises(RunError, match='no runs'):
+        evidence_of([])
+
+
+def test_outcomes_come_in_the_order_of_their_seeds_wherever_they_are_computed():
+    here = list(perform_all(experiment(), 6, Here()))
+    assert [outcome.seed for outcome in here] == [1, 2, 3, 4, 5, 6]
+    pooled = list(perform_all(experiment(), 6))
+    assert [(o.omega_crit, o.interval) for o in pooled] == [(o.omega_crit, o.interval) for o in here]
+    assert here[0].inverse == inverse(evidence_of(experiment().runs()).timed).omega_crit
+
+
+def test_experiment_without_a_timing_is_failed_and_not_wrong():
+    below = experiment(protocol=Protocol(speeds=(1000 * RPM,)))
+    outcome = perform(below, 1)
+    assert outcome.omega_crit is None
+    summary = summarise([outcome], TRUTH, 1.0, 1)
+    assert (summary.experiments, summary.failed) == (1, 1)
+    assert np.isnan(summary.coverage)
+
+
+def test_summary_counts_truth_width_and_open_ends():
+    def outcome(low, high):
+        return Outcome(seed=0, omega_crit=1.0, interval=(low, high), ordinary=None, inverse=None, seconds=0.5)
+
+    summary = summarise([outcome(0.5, 2.0), outcome(1.5, 2.5), outcome(None, 2.0), outcome(None, 0.5)], 1.0, 1.0, 2)
+    assert summary.coverage == 0.5
+    assert summary.width == 1.25
+    assert summary.unbounded == 2
+    assert summary.efficiency == 1.0
+
+
+def test_no_experiments_are_refused():
+    with pytest.raises(AnalysisError, match='one or more'):
+        list(perform_all(experiment(), 0, Here()))
+
+
+def test_few_experiments_scatter_about_the_truth():
+    outcomes = list(perform_all(experiment(), 24))
+    summary = summarise(outcomes, TRUTH, 1.0, 2)
+    assert summary.failed == summary.unbounded == 0
+    assert summary.coverage >= 20 / 24  # 95 % of 24; fewer come once in 150 such lots
+    errors = np.array([outcome.omega_crit / TRUTH - 1 for outcome in outcomes])
+    assert abs(errors.mean()) < 4 * errors.std() / np.sqrt(24)
+    assert 0.008 < errors.std() < 0.025
+
+
+@pytest.mark.slow
+def test_thousand_intervals_hold_the_truth_as_often_as_they_say():
+    summary = summarise(list(perform_all(experiment(), 1000)), TRUTH, 1.0, 2)
+    assert 0.93 <= summary.coverage <= 0.97
+    assert summary.failed == 0
+
+
+def test_worn_pivot_has_a_lower_threshold_and_the_interval_knows():
+    worn = load_preset('as_built_1997')
+    assert true_threshold(worn) == pytest.approx(
+        omega_crit_exact(worn) / (1 + 2 / np.pi * worn.clearance / worn.amplitude), rel=1e-3
+    )
+    assert true_threshold(IDEAL) == TRUTH
+    outcomes = list(perform_all(experiment(worn), 24))
+    assert sum(outcome.covers(true_threshold(worn)) for outcome in outcomes) >= 20

@@ -1,0 +1,26 @@
+"""The virtual experiment and the graph of processes are one experiment."""
+
+from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.operator.protocol import load_protocol
+from kapitsa_ros.physics.plant import load_preset
+from kapitsa_ros.recording.reader import RunBag
+
+
+def test_the_graph_gives_the_readings_of_the_virtual_experiment(recorded):
+    experiment = SimulatedExperiment(
+        plant=load_preset('ideal'), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=1
+    )
+    there = [RunBag(path).run for path in sorted(recorded[0].iterdir())]
+    here = experiment.runs()
+    assert len(here) == len(there) == 3
+    for mine, theirs in zip(here, there, strict=True):
+        assert mine.plant == theirs.plant
+        assert (mine.speed_asked, mine.release) == (theirs.speed_asked, theirs.release)
+        # the shown times travel as whole nanoseconds
+        assert [(r.kind, r.swings, round(r.displayed, 6)) for r in mine.timings] == [
+            (r.kind, r.swings, round(r.displayed, 6)) for r in theirs.timings
+        ]
+        assert [r.speed for r in mine.speeds] == [r.speed for r in theirs.speeds]
+        for name in ('strobe', 'stopwatch'):
+            assert mine.settings[name]['instrument'] == theirs.settings[name]['instrument']

@@ -1,0 +1,27 @@
+import pytest
+
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.release import Release
+from kapitsa_ros.physics.solver_comparison import compare_solvers
+from kapitsa_ros.units import RPM
+
+
+def test_the_divergence_is_the_solvers():
+    """Solvers as they come disagree even about its sign; exact ones see none, nor does ours in 20,000 cycles."""
+    release = Release(plant=Plant(), speed=2500 * RPM, angle=0.12)
+    growth = {
+        verdict.solver.split(' ')[0]: verdict.growth
+        for verdict in compare_solvers(release, duration=12.0, cycles=20_000)
+    }
+    assert growth['RK45'] > 3e-3
+    assert growth['RK23'] < -3e-3
+    assert growth['BDF'] > growth['RK45']
+    assert abs(growth['DOP853']) < 1e-7
+    assert abs(growth['Verlet']) < 1e-7
+    assert abs(growth['ours,']) < 1e-13
+
+
+def test_friction_would_hide_the_answer():
+    with pytest.raises(PhysicsError, match='frictionless'):
+        next(compare_solvers(Release(plant=Plant(coulomb=0.1), speed=250.0, angle=0.1)))

@@ -1,0 +1,117 @@
+"""What launch files hand to the rig: text is checked before a node starts, and a failed node ends the launch."""
+
+import ast
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from, rig_from
+
+CHECKOUT = Path(__file__).parents[2]
+SAID = {'preset': 'bearing', 'instruments': '1997', 'protocol': '1997', 'rate': '2', 'seed': '7', 'bags': 'runs'}
+
+
+def test_text_becomes_a_rig(tmp_path: Path) -> None:
+    setup = rig_from(SAID | {'bags': str(tmp_path / 'new')})
+    assert (setup.plant.coulomb, setup.rate, setup.seed) == (0.05, 2.0, 7)
+    assert setup.bags == tmp_path / 'new'
+    assert setup.bags.is_dir()
+
+
+@pytest.mark.parametrize(
+    ('name', 'value', 'said'),
+    [
+        ('rate', 'x', 'rate:=x: '),
+        ('rate', '-1', 'rate:=-1: '),
+        ('rate', 'nan', 'rate:=nan: '),
+        ('seed', '-1', 'seed:=-1: '),
+        ('seed', '1.5', 'seed:=1.5: '),
+        ('preset', 'nope', "unknown preset 'nope'"),
+        ('protocol', '/no/such', "no protocol '/no/such'"),
+        ('bags', '/proc/x', 'bags:=/proc/x: '),
+    ],
+)
+def test_what_cannot_be_is_refused_in_words_of_launch(tmp_path: Path, name: str, value: str, said: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(said)) as error:
+        rig_from(SAID | {'bags': str(tmp_path / 'new'), name: value})
+    assert '--' not in str(error.value)
+    assert not (tmp_path / 'new').exists()
+
+
+@pytest.mark.parametrize(('protocol', 'run'), [('1997', 'run_02_2640rpm'), ('manual', 'run_01_0rpm')])
+def test_a_run_that_is_there_is_refused_before_the_start(tmp_path: Path, protocol: str, run: str) -> None:
+    (tmp_path / run).mkdir()
+    with pytest.raises(UsageError, match=f'{run} exists: .* another bags:='):
+        rig_from(SAID | {'bags': str(tmp_path), 'protocol': protocol})
+
+
+def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:
+    fast = tmp_path / 'fast.yaml'
+    fast.write_text('speeds: [6000 rpm]\n', encoding='utf-8')
+    with pytest.raises(UsageError, match='protocol:= wants 6000 RPM'):
+        rig_from(SAID | {'bags': str(tmp_path / 'new'), 'protocol': str(fast)})
+
+
+def test_replay_takes_a_folder_of_runs_or_one_run() -> None:
+    bags = CHECKOUT / 'bags'
+    runs = sorted(str(path) for path in bags.glob('run_*'))
+    assert replay_from({'bags': str(bags), 'rate': '0'})['bags'] == runs
+    assert replay_from({'bags': runs[1], 'rate': '0'})['bags'] == [runs[1]]
+
+
+def test_replay_refuses_a_folder_without_runs_and_a_run_without_an_index(tmp_path: Path) -> None:
+    said = {'bags': str(tmp_path), 'rate': '1.0'}
+    with pytest.raises(UsageError, match=f'bags:={tmp_path}: no run is there'):
+        replay_from(said)
+    shutil.copytree(CHECKOUT / 'bags' / 'run_01_2240rpm', tmp_path / 'killed')
+    (tmp_path / 'killed' / 'metadata.yaml').unlink()
+    with pytest.raises(UsageError, match='killed'):
+        replay_from(said)
+
+
+def test_only_a_failure_nobody_asked_for_ends_the_launch() -> None:
+    def ended(returncode: int, *, stopping: bool) -> tuple[Any, Any]:
+        return SimpleNamespace(returncode=returncode, process_name='jigsaw-1'), SimpleNamespace(is_shutdown=stopping)
+
+    end_with_failed(*ended(0, stopping=False))
+    end_with_failed(*ended(-2, stopping=True))
+    with pytest.raises(RigError, match='jigsaw-1 has failed with status 2'):
+        end_with_failed(*ended(2, stopping=False))
+
+
+@pytest.mark.parametrize('file', ['rig.launch.py', 'replay.launch.py'])
+def test_every_launch_argument_is_in_the_readme(file: str) -> None:
+    tree = ast.parse((CHECKOUT / 'launch' / file).read_text(encoding='utf-8'))
+    tables = [
+        node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == 'ARGUMENTS'
+    ]
+    names = [ast.literal_eval(key) for table in tables if isinstance(table, ast.Dict) for key in table.keys if key]
+    readme = (CHECKOUT / 'README.md').read_text(encoding='utf-8')
+    said = next(line for line in readme.splitlines() if line.startswith(f'| `{file}`'))
+    assert re.findall(r'`(\w+):=', said) == names
+    assert names
+
+
+@pytest.mark.skipif(shutil.which('ros2') is None, reason='needs ros2cli, which PyPI has not')
+@pytest.mark.xdist_group('processes')
+def test_ros2_launch_carries_out_and_refuses_to_repeat(tmp_path: Path) -> None:
+    """The real tools, where they are: `colcon test` on a ROS machine."""
+    command = ['ros2', 'launch', 'kapitsa_ros', 'rig.launch.py', 'rate:=0', f'bags:={tmp_path}']
+    environment = os.environ | {'ROS_DOMAIN_ID': '97'}
+    first, second = (
+        subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
+        for _ in range(2)
+    )
+    assert first.returncode == 0, first.stdout + first.stderr
+    assert first.stdout.count('process has finished cleanly') == 7
+    assert 'experiment: omega_crit_rpm' in first.stdout + first.stderr
+    assert second.returncode == 1
+    assert 'run_01_2240rpm exists' in second.stdout + second.stderr
+    assert 'process started' not in second.stdout
