@@ -8,7 +8,7 @@ from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.flexible_rod import BendingMode, coupling, simulate_flexible
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
-from kapitsa_ros.physics.run_summary import observe
+from kapitsa_ros.physics.run_summary import summarise_run
 from kapitsa_ros.units import RPM
 
 PLANT = Plant()
@@ -114,7 +114,7 @@ def test_an_overdamped_mode_creeps():
 
 
 def test_slow_motion_tends_to_the_rigid_rods():
-    rigid = observe(RELEASE, 5.0).frequency
-    apart = [observe(RELEASE, 5.0, BendingMode(frequency=one)).frequency - rigid for one in (3e3, 6e3)]
+    rigid = summarise_run(RELEASE, 5.0).frequency
+    apart = [summarise_run(RELEASE, 5.0, BendingMode(frequency=one)).frequency - rigid for one in (3e3, 6e3)]
     assert apart[0] / apart[1] == pytest.approx(4.0, rel=0.05)
     assert abs(apart[1]) < 1e-3 * rigid

@@ -14,7 +14,7 @@ from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
-from kapitsa_ros.physics.run_summary import observe
+from kapitsa_ros.physics.run_summary import summarise_run
 from kapitsa_ros.units import RPM
 
 IDEAL = Plant()
@@ -53,7 +53,7 @@ def test_a_minute_ends_in_the_same_place_however_it_is_sampled():
 def test_the_frictionless_amplitude_does_not_drift():
     entry = ENTRIES['drift_exact']
     release = Release(plant=plant_of(entry['params']), speed=speed_of(entry['params']), angle=entry['params']['theta0'])
-    assert abs(observe(release, 300.0).growth) < 1e-12
+    assert abs(summarise_run(release, 300.0).growth) < 1e-12
 
 
 def test_energy_is_conserved_without_drive():
@@ -73,23 +73,23 @@ def test_energy_is_conserved_without_drive():
 
 def test_growth_and_frequency_of_a_damped_rod_are_floquets():
     plant = Plant(damping=0.6)
-    slow = observe(Release(plant=plant, speed=SPEED, angle=0.05, phase=0.7, linear=True), 10.0)
+    slow = summarise_run(Release(plant=plant, speed=SPEED, angle=0.05, phase=0.7, linear=True), 10.0)
     assert slow.growth == pytest.approx(-0.3, rel=1e-10)
     assert slow.frequency == pytest.approx(theory.slow_frequency_exact(plant, SPEED), rel=1e-12)
-    nonlinear = observe(Release(plant=plant, speed=SPEED, angle=0.01), 10.0)
+    nonlinear = summarise_run(Release(plant=plant, speed=SPEED, angle=0.01), 10.0)
     assert nonlinear.frequency == pytest.approx(slow.frequency, rel=1e-5)
 
 
 def test_growth_of_a_falling_rod_is_floquets():
-    slow = observe(Release(plant=IDEAL, speed=1200 * RPM, angle=1e-6), 10.0)
+    slow = summarise_run(Release(plant=IDEAL, speed=1200 * RPM, angle=1e-6), 10.0)
     assert slow.growth == pytest.approx(theory.growth_rate(IDEAL, 1200 * RPM), rel=1e-3)
     assert slow.frequency is None
 
 
 def test_friction_stops_the_rod():
     release = Release(plant=Plant(coulomb=2.0), speed=SPEED, angle=0.12)
-    assert 2 < observe(release, 5.0).periods < 4
-    assert observe(release, 5.0).growth < 0
+    assert 2 < summarise_run(release, 5.0).periods < 4
+    assert summarise_run(release, 5.0).growth < 0
 
 
 def test_many_rods_move_as_one_alone():

@@ -13,7 +13,7 @@ from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.release import Release
-from kapitsa_ros.physics.run_summary import observe
+from kapitsa_ros.physics.run_summary import summarise_run
 from kapitsa_ros.units import RPM
 
 
@@ -92,7 +92,7 @@ def slow_in_play(params):
 
 
 def drift(params):
-    return observe(Release(plant=plant_of(params), speed=speed_of(params), angle=params['theta0']), 300.0).growth
+    return summarise_run(Release(plant=plant_of(params), speed=speed_of(params), angle=params['theta0']), 300.0).growth
 
 
 # What an entry's name begins with, how its value comes about, and how many digits must match.
