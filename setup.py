@@ -1,5 +1,6 @@
 """Build kapitsa_ros for pip and for colcon alike."""
 
+import shutil
 from pathlib import Path
 
 from setuptools import find_packages, setup
@@ -15,6 +16,19 @@ def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
         if path.is_file():
             files.setdefault(str(SHARE / path.parent), []).append(str(path))
     return list(files.items())
+
+
+def node_scripts() -> list[str]:
+    """Write an executable a node, all alike but for their name: it says which node is to be started."""
+    folder = Path('build', 'node_scripts')
+    folder.mkdir(parents=True, exist_ok=True)
+    scripts = []
+    for module in sorted(Path(NAME, 'nodes').glob('[!_]*.py')):
+        script = folder / module.stem
+        shutil.copyfile(Path('resource', 'node_script'), script)
+        script.chmod(0o755)
+        scripts.append(str(script))
+    return scripts
 
 
 CORE = [
@@ -76,7 +90,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),
-        (f'lib/{NAME}', sorted(str(path) for path in Path('scripts').iterdir())),
+        (f'lib/{NAME}', node_scripts()),
         *installed_tree('config'),
         *installed_tree('launch'),
     ],

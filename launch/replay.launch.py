@@ -9,7 +9,7 @@ from launch_ros.actions import Node
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from
-from kapitsa_ros.rig.setup import REPLAY_ROLES
+from kapitsa_ros.rig.setup import REPLAY_NAMES
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
@@ -33,7 +33,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
             output='screen',
             on_exit=end_with_failed,
         )
-        for role in REPLAY_ROLES
+        for role in REPLAY_NAMES
     ]
     if said['viewer'] != 'none':
         plant = RunBag(Path(told['bags'][0])).run.plant

@@ -15,7 +15,7 @@ from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
-from kapitsa_ros.network import topics
+from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.operator.requests import Requests
 from kapitsa_ros.physics.jigsaw import MAX_SPEED
 from kapitsa_ros.units import RPM
@@ -97,20 +97,20 @@ class BenchState:
     def receive(self, news: list[News], wall: float) -> None:
         """Take in what the graph said, and when that came."""
         for topic, step_id, value in news:
-            if topic == topics.RESULT.name:
+            if topic == RESULT.name:
                 self._receive_result(value)
                 continue
             if step_id.run > self.run:
                 self._begin(step_id.run)
             if step_id.run < self.run:
                 continue
-            if topic == topics.PIVOT.name:
+            if topic == PIVOT.name:
                 self.lamp.shine(step_id.step * value.duration, value)
-            elif topic == topics.MOTION.name:
+            elif topic == MOTION.name:
                 start = step_id.step * value.duration
                 self._motion.append((start, value))
                 self.clock.follow(wall, start, start + value.duration)
-            elif topic in (topics.STROBE.name, topics.STOPWATCH.name):
+            elif topic in (STROBE_READING.name, STOPWATCH_READING.name):
                 self.rig_readings.append((step_id.run, value))
 
     def set_speed(self, rpm: float) -> None:

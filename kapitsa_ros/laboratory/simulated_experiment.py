@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.instruments.random_streams import random_stream
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.strobe import Strobe
+from kapitsa_ros.network.registry import STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.network.run_builder import RunBuilder
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId
@@ -74,7 +75,7 @@ class SimulatedExperiment:
                 pendulum.hold(command.hold)
             seen = strobe.observe(start, pivot)
             timed = watch.observe(start, pendulum.advance(pivot))
-            builder.add(command, seen, timed)
+            builder.add(command, {STROBE_READING: seen, STOPWATCH_READING: timed})
             commands.append(operator.command(seen, timed))
         raise AssertionError
 

@@ -1,8 +1,8 @@
-"""Messages of the numbered topics as bytes.
+"""The CDR bytes of numbered messages: their header, and blocks of a motion.
 
 All their types begin with a header, whose `frame_id` holds the number of the step; so the number can be read without
 knowing the type. A motion block is encoded from arrays: as Python objects its points cost a hundred times as much.
-The layout is little-endian CDR, as rclpy publishes it; the tests hold one against the other.
+The layout is little-endian CDR, as rclpy publishes it; the tests compare the two.
 """
 
 from __future__ import annotations
@@ -23,14 +23,6 @@ _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
 _STAMP = struct.Struct('<iI')
 _STEP_ID_AT = len(_ENCAPSULATION) + _STAMP.size + _LENGTH.size
-_EMPTY_BODY = {
-    'sensor_msgs/msg/JointState': bytes(16),  # four empty sequences
-    'trajectory_msgs/msg/JointTrajectory': bytes(8),  # no joint, no point
-    'diagnostic_msgs/msg/DiagnosticArray': bytes(4),
-    'std_msgs/msg/Header': b'',
-    'sensor_msgs/msg/TimeReference': bytes(8) + b'\x01\x00\x00\x00\x00',  # time_ref 0, source ''
-}
-
 # From the first position of a point to the length before the next point's: every double is aligned to eight bytes, and
 # that length closes the gap after time_from_start.
 _POINT = np.dtype(
@@ -63,7 +55,8 @@ class Block(NamedTuple):
     acceleration: NDArray[np.float64]
 
 
-def _aligned(size: int, to: int) -> int:
+def aligned(size: int, to: int) -> int:
+    """Return how many bytes of padding lead from a size to the next multiple of `to`."""
     return -size % to
 
 
@@ -95,28 +88,19 @@ def encode_header(stamp_ns: int, step_id: StepId) -> bytes:
     return _ENCAPSULATION + _STAMP.pack(*divmod(stamp_ns, SECOND)) + _LENGTH.pack(len(frame)) + frame
 
 
-def encode_silence(kind: str, stamp_ns: int, step_id: StepId) -> bytes:
-    """Encode a message that says nothing but its number."""
-    head = encode_header(stamp_ns, step_id)
-    body = _EMPTY_BODY[kind]
-    return head + bytes(_aligned(len(head), 4) if body else 0) + body
-
-
-def is_silence(kind: str, raw: bytes) -> bool:
-    """Whether a message of a type says nothing but its number."""
+def header_size(raw: bytes) -> int:
+    """Return the size of encapsulation and header, bytes."""
     (length,) = _LENGTH.unpack_from(raw, _STEP_ID_AT - _LENGTH.size)
-    head = _STEP_ID_AT + length
-    size = head + _aligned(head, 4) + len(_EMPTY_BODY[kind])
-    return bool(len(raw) <= size + _aligned(size, 4))  # on its way a message is padded to whole words
+    return int(_STEP_ID_AT + length)
 
 
 def encode_block(stamp_ns: int, step_id: StepId, block: Block) -> bytes:
     """Encode a motion block as trajectory_msgs/JointTrajectory of one joint."""
     head = encode_header(stamp_ns, step_id)
     joint = block.joint.encode() + b'\x00'
-    head += bytes(_aligned(len(head), 4)) + _LENGTH.pack(1) + _LENGTH.pack(len(joint)) + joint
-    head += bytes(_aligned(len(head), 4)) + _LENGTH.pack(len(block.position)) + _LENGTH.pack(1)
-    head += bytes(_aligned(len(head) - len(_ENCAPSULATION), 8))
+    head += bytes(aligned(len(head), 4)) + _LENGTH.pack(1) + _LENGTH.pack(len(joint)) + joint
+    head += bytes(aligned(len(head), 4)) + _LENGTH.pack(len(block.position)) + _LENGTH.pack(1)
+    head += bytes(aligned(len(head) - len(_ENCAPSULATION), 8))
     points = np.zeros(len(block.position), _POINT)
     points['position'] = block.position
     points['rate'] = block.rate
@@ -131,15 +115,15 @@ def decode_block(raw: bytes) -> Block | None:
     try:
         (length,) = _LENGTH.unpack_from(raw, _STEP_ID_AT - _LENGTH.size)
         at = _STEP_ID_AT + length
-        at += _aligned(at, 4)
+        at += aligned(at, 4)
         joints, name = struct.unpack_from('<II', raw, at)
         at += 8
         joint = raw[at : at + name - 1].decode()
         at += name
-        at += _aligned(at, 4)
+        at += aligned(at, 4)
         count, first = struct.unpack_from('<II', raw, at)
         at += 8
-        at += _aligned(at - len(_ENCAPSULATION), 8)
+        at += aligned(at - len(_ENCAPSULATION), 8)
     except (struct.error, UnicodeDecodeError):
         return None
     if joints != 1 or first != 1 or not count or len(raw) != at + count * _POINT.itemsize - _LENGTH.size:

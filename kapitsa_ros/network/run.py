@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
 
-SETTINGS_OF = ('jigsaw', 'pendulum', 'strobe', 'stopwatch')
-"""The nodes whose settings belong to a run."""
-
 
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -25,15 +22,25 @@ class Run:
 
     number: int
     settings: Mapping[str, Mapping[str, Any]]
-    """By node, as each of `SETTINGS_OF` published it."""
+    """By role, as each that describes the run published it."""
     speed_asked: float
     """rad/s, of the last command."""
     release: float | None
     """Angle at which the pendulum was last held, rad; None: it never was."""
-    speeds: tuple[StrobeReading, ...]
-    timings: tuple[StopwatchReading, ...]
+    readings: Mapping[str, tuple[Any, ...]]
+    """What each instrument read, by role, in the order of the steps."""
     complete: bool
     """Whether the end of the run was seen."""
+
+    @property
+    def speeds(self) -> tuple[StrobeReading, ...]:
+        """Readings of the strobe."""
+        return self.readings.get('strobe', ())
+
+    @property
+    def timings(self) -> tuple[StopwatchReading, ...]:
+        """Readings of the stopwatch."""
+        return self.readings.get('stopwatch', ())
 
     @property
     def plant(self) -> Plant:

@@ -2,39 +2,45 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.network.registry import READINGS, writer_of
 from kapitsa_ros.network.run import Run
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kapitsa_ros.instruments.stopwatch import StopwatchReading
-    from kapitsa_ros.instruments.strobe import StrobeReading
+    from kapitsa_ros.network.topic import Topic
     from kapitsa_ros.operator.command import Command
 
 
-@dataclass
 class RunBuilder:
-    """Collects a run step by step."""
+    """Collects a run step by step.
 
-    number: int
-    settings: Mapping[str, Mapping[str, Any]]
-    _speed: float = 0.0
-    _release: float | None = None
-    _speeds: list[StrobeReading] = field(default_factory=list)
-    _timings: list[StopwatchReading] = field(default_factory=list)
+    Parameters
+    ----------
+    number
+        Of the run.
+    settings
+        By role, as each that describes the run published it.
 
-    def add(self, command: Command, strobe: StrobeReading | None, stopwatch: StopwatchReading | None) -> None:
-        """Take in one step: what was commanded for it, and what was read in it."""
+    """
+
+    def __init__(self, number: int, settings: Mapping[str, Mapping[str, Any]]) -> None:
+        self.number = number
+        self.settings = settings
+        self._speed = 0.0
+        self._release: float | None = None
+        self._readings: dict[Topic[Any], list[Any]] = {topic: [] for topic in READINGS}
+
+    def add(self, command: Command, readings: Mapping[Topic[Any], Any]) -> None:
+        """Take in one step: what was commanded for it, and what was read in it (None: nothing)."""
         self._speed = command.speed
         if command.hold is not None:
             self._release = command.hold
-        if strobe is not None:
-            self._speeds.append(strobe)
-        if stopwatch is not None:
-            self._timings.append(stopwatch)
+        for topic, reading in readings.items():
+            if reading is not None:
+                self._readings[topic].append(reading)
 
     def build(self, *, complete: bool) -> Run:
         """Return the run so far."""
@@ -43,7 +49,6 @@ class RunBuilder:
             settings=self.settings,
             speed_asked=self._speed,
             release=self._release,
-            speeds=tuple(self._speeds),
-            timings=tuple(self._timings),
+            readings={writer_of(topic).name: tuple(found) for topic, found in self._readings.items()},
             complete=complete,
         )

@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
 
 SECOND = 1_000_000_000
-
-
 DAY = 86_400 * SECOND
 
 
@@ -37,3 +35,8 @@ class StepClock:
     def step(self) -> float:
         """Length of a communication step, s."""
         return self.step_ns / SECOND
+
+
+def seconds_of_run(stamp_ns: int, step_id: StepId) -> float:
+    """Return the seconds from the start of a run to a stamp."""
+    return (stamp_ns - step_id.run * DAY) / SECOND

@@ -10,6 +10,7 @@ from collections import deque
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.network.errors import SequenceError
+from kapitsa_ros.network.step import Step
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -64,7 +65,7 @@ class StepSynchronizer:
         (self._leading | self._following)[topic].append((self._runs[topic], step_id, raw))
         return True
 
-    def take(self) -> tuple[StepId, dict[str, bytes]] | None:
+    def take(self) -> Step | None:
         """Return the next step and its message on each topic, or None while one is missing.
 
         With the end of a run come the messages of the leading topics only.
@@ -78,11 +79,11 @@ class StepSynchronizer:
                 f'topics disagree: {", ".join(f"{topic} is at {head[1]}" for topic, head in heads.items())}'
             )
         # Runs are told apart by their order, not by their number: bags may be played in any order.
-        here = (run + 1, 0) if step_id.end else (run, step_id.step)
+        after = (run + 1, 0) if step_id.end else (run, step_id.step)
         for queue in self._following.values():
-            while queue and (queue[0][0], queue[0][1].step) < here:
+            while queue and (queue[0][0], queue[0][1].step) < after:
                 queue.popleft()
         queues = self._leading if step_id.end else self._leading | self._following
         if not all(queue and (step_id.end or queue[0][1] == step_id) for queue in queues.values()):
             return None
-        return step_id, {topic: queue.popleft()[2] for topic, queue in queues.items()}
+        return Step(step_id, {topic: queue.popleft()[2] for topic, queue in queues.items()})

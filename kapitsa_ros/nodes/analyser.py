@@ -6,9 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.cdr import stamp_of
-from kapitsa_ros.network.messages import decode_command, decode_stopwatch, decode_strobe, encode_result
+from kapitsa_ros.network.registry import ANALYSER, COMMAND, READINGS, RESULT
 from kapitsa_ros.network.run_builder import RunBuilder
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.dataflow_node import LOOK_PERIOD
@@ -17,19 +15,14 @@ from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
     from kapitsa_ros.network.run import Run
-    from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.network.step import Step
 
 
 class AnalyserNode(StepNode):
     """Executable `analyser`. Its result for a step acknowledges that step."""
 
     def __init__(self) -> None:
-        super().__init__(
-            'analyser',
-            reads=(topics.STROBE, topics.STOPWATCH, topics.COMMAND),
-            writes=(topics.RESULT,),
-            follows=(topics.COMMAND,),
-        )
+        super().__init__(ANALYSER)
         self._settings = SettingsSubscriber(self)
         self._runs: list[Run] = []
         self._builder: RunBuilder
@@ -38,20 +31,16 @@ class AnalyserNode(StepNode):
         """Wait for the settings, without which a run has no meaning."""
         return super().advance() if self._settings.complete else LOOK_PERIOD
 
-    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
+    def work(self, step: Step) -> None:
         """Take in one step."""
-        if step_id.step == 0:
-            self._builder = RunBuilder(step_id.run, self._settings.parsed())
-        self._builder.add(
-            decode_command(messages[topics.COMMAND.name]),
-            decode_strobe(messages[topics.STROBE.name]),
-            decode_stopwatch(messages[topics.STOPWATCH.name]),
-        )
-        self.emit_silence(topics.RESULT, step_id, stamp_of(messages[topics.STROBE.name]))
+        if step.id.step == 0:
+            self._builder = RunBuilder(step.id.run, self._settings.parsed())
+        self._builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
+        self.emit_silence(RESULT, step.id, step.stamp_ns)
 
-    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
+    def end_run(self, step: Step) -> None:
         """Say what the run came to; at the end of the session, what all runs came to together."""
-        if ends_session(step_id):
+        if ends_session(step.id):
             results = {'experiment': experiment_values(reduce_runs(self._runs))} if self._runs else {}
         else:
             run = self._builder.build(complete=True)
@@ -59,7 +48,7 @@ class AnalyserNode(StepNode):
             results = {f'run {run.number}': run_values(run)}
         for name, values in results.items():
             self.get_logger().info(f'{name}: {", ".join(f"{key} {_short(value)}" for key, value in values.items())}')
-        self.emit(topics.RESULT, encode_result(stamp_ns, step_id, results))
+        self.emit(RESULT, step.id, step.stamp_ns, results)
 
 
 def _short(value: Any) -> str:

@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.messages import decode_command, encode_samples
+from kapitsa_ros.network.registry import COMMAND, JIGSAW, PIVOT
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.physics.errors import PhysicsError
@@ -34,7 +33,7 @@ class JigsawNode(DataflowNode):
     """Executable `jigsaw`."""
 
     def __init__(self) -> None:
-        super().__init__('jigsaw', reads=(topics.COMMAND, topics.RESULT, topics.WRITTEN), writes=(topics.PIVOT,))
+        super().__init__(JIGSAW)
         step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
         sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
         self._steps = StepClock(round(step * SECOND))
@@ -58,12 +57,12 @@ class JigsawNode(DataflowNode):
         self._time = TimeControl(self, next_step=lambda: self._next, reset=self._reset)
         self._jigsaw = self._at_rest()
         self._commands: deque[tuple[StepId, Command]] = deque()
-        self._acknowledged: dict[str, StepId | None] = {t.name: None for t in self.reads if t is not topics.COMMAND}
+        self._acknowledged: dict[str, StepId | None] = {t.name: None for t in self.reads if t is not COMMAND}
         self._next = StepId(1, 0)
-        self._delay = StallWarning(self)
+        self._stall_warning = StallWarning(self)
         self._cut_short = 0
         """The last run that a reset has ended; its operator may be ahead of the news."""
-        self._clock_face = ClockPublisher(self)
+        self._clock_publisher = ClockPublisher(self)
         self._report = Throttle(REPORT_PERIOD)
         self.latch_settings(
             settings_text(
@@ -79,14 +78,14 @@ class JigsawNode(DataflowNode):
 
     def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:
         """Queue a command, or note an acknowledgement."""
-        if topic != topics.COMMAND.name:
+        if topic != COMMAND.name:
             self._acknowledged[topic] = step_id
             return True
         if step_id.run == self._cut_short:
             return True
         if (step_id.run, step_id.step) < (self._next.run, self._next.step + len(self._commands)):
             return False
-        command = decode_command(raw)
+        command = COMMAND.decode(raw)
         if not 0 <= command.speed <= self._motion['max_speed']:
             fastest = self._motion['max_speed'] / RPM
             raise NodeError(f'a command wants {command.speed / RPM:.0f} RPM: this jigsaw does 0 to {fastest:.0f} RPM')
@@ -106,7 +105,7 @@ class JigsawNode(DataflowNode):
         """Do what is due, and watch for those who keep time waiting."""
         wait = super().poll()
         if self._peers.matched:
-            self._delay.note(self._next, () if self._time.stands_still else self._awaited())
+            self._stall_warning.note(self._next, () if self._time.stands_still else self._awaited())
         return wait
 
     def _may_go(self) -> bool:
@@ -122,7 +121,7 @@ class JigsawNode(DataflowNode):
     def _awaited(self) -> list[str]:
         """Return the names of the topics that have to say more before the next step."""
         late = [topic for topic, ack in self._acknowledged.items() if not self._has_caught_up(ack)]
-        return late if self._commands else [topics.COMMAND.name, *late]
+        return late if self._commands else [COMMAND.name, *late]
 
     def _has_caught_up(self, ack: StepId | None) -> bool:
         """Whether a reader is close enough behind, and through with the run before."""
@@ -143,13 +142,13 @@ class JigsawNode(DataflowNode):
             return
         stamp = self._steps.start_ns(step_id)
         samples = self._jigsaw.advance(command.speed, self._steps.step, self._count)
-        self.emit(topics.PIVOT, encode_samples(stamp, step_id, 'pivot', samples))
+        self.emit(PIVOT, step_id, stamp, samples)
         self._next = StepId(step_id.run, step_id.step + 1)
         self._tell(step_id, stamp)
 
     def _end_run(self, step_id: StepId) -> None:
         stamp = self._steps.start_ns(step_id)
-        self.emit_silence(topics.PIVOT, step_id, stamp)
+        self.emit_silence(PIVOT, step_id, stamp)
         self._jigsaw = self._at_rest()
         self._next = StepId(step_id.run + 1, 0)
         self._tell(step_id, stamp)
@@ -165,7 +164,7 @@ class JigsawNode(DataflowNode):
     def _tell(self, step_id: StepId, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
         self._time.count(stamp / SECOND)
-        self._clock_face.show(stamp)
+        self._clock_publisher.publish(stamp)
         if self._report.due() or step_id.end:
             self.diagnostics.publish(progress_message('jigsaw', step_id, stamp, self._time.pace))
 

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 
 from std_msgs.msg import Float64
 
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.messages import decode_stopwatch, decode_strobe, encode_command
+from kapitsa_ros.network.registry import COMMAND, OPERATOR, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.operator.command import Command
@@ -31,6 +30,8 @@ from kapitsa_ros.ros.step_node import StepNode
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kapitsa_ros.network.step import Step
+
 
 Begin = Callable[[], ScriptedOperator | ManualOperator]
 """Begins a run."""
@@ -40,7 +41,7 @@ class OperatorNode(StepNode):
     """Executable `operator`."""
 
     def __init__(self) -> None:
-        super().__init__('operator', reads=(topics.STROBE, topics.STOPWATCH), writes=(topics.COMMAND,))
+        super().__init__(OPERATOR)
         name = declare(self, 'protocol', '1997', f'name of a shipped protocol, path of a YAML file, or {MANUAL}')
         release = declare(self, 'release', 0.12, 'angle at which a manual run begins, rad', -1.5, 1.5)
         fastest = declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4)
@@ -64,29 +65,27 @@ class OperatorNode(StepNode):
             self._open_run(1, next(self._runs))
         return super().advance()
 
-    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
+    def work(self, step: Step) -> None:
         """Answer the readings of one step, unless the run has been ended already."""
         if self._end is None:
-            command = self._run.command(
-                decode_strobe(messages[topics.STROBE.name]), decode_stopwatch(messages[topics.STOPWATCH.name])
-            )
-            self._say(StepId(step_id.run, step_id.step + self._in_flight, end=command.end), command)
+            command = self._run.command(step[STROBE_READING], step[STOPWATCH_READING])
+            self._command(StepId(step.id.run, step.id.step + self._in_flight, end=command.end), command)
 
-    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:  # noqa: ARG002
-        """Open the next run: the same again, if this one ended elsewhere than it was told to."""
-        if not ends_session(step_id):
-            as_told, self._end = step_id == self._end, None
-            self._open_run(step_id.run + 1, next(self._runs, None) if as_told else self._begin)
+    def end_run(self, step: Step) -> None:
+        """Open the next run: the same again, if this one did not end where it was commanded to."""
+        if not ends_session(step.id):
+            as_commanded, self._end = step.id == self._end, None
+            self._open_run(step.id.run + 1, next(self._runs, None) if as_commanded else self._begin)
 
     def _open_run(self, run: int, begin: Begin | None) -> None:
         """Say what holds until the first reading can be answered; or, after the last run, that none follows."""
         self._begin = begin
         if begin is None:
-            self._say(StepId(run, 0, end=True), Command(0.0, None, end=True))
+            self._command(StepId(run, 0, end=True), Command(0.0, None, end=True))
             return
         self._run = begin()
         for step in range(self._in_flight):
-            self._say(StepId(run, step), self._run.opening())
+            self._command(StepId(run, step), self._run.opening())
 
     def _carry_out(self, name: str) -> Iterator[Begin]:
         try:
@@ -111,10 +110,10 @@ class OperatorNode(StepNode):
         self.create_subscription(Float64, 'operator/release', taker(requests.ask_release), 10)
         return requests
 
-    def _say(self, step_id: StepId, command: Command) -> None:
+    def _command(self, step_id: StepId, command: Command) -> None:
         if command.end:
             self._end = step_id
-        self.emit(topics.COMMAND, encode_command(self._steps.start_ns(step_id), step_id, command))
+        self.emit(COMMAND, step_id, self._steps.start_ns(step_id), command)
 
 
 create = OperatorNode

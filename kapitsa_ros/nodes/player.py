@@ -8,10 +8,10 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.network import topics
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.messages import decode_samples
+from kapitsa_ros.network.registry import MOTION, PIVOT, PLAYER, REPLAYED
+from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.recording.errors import BagError
@@ -37,7 +37,7 @@ class PlayerNode(DataflowNode):
     """Executable `player`."""
 
     def __init__(self) -> None:
-        super().__init__('player', reads=(topics.RESULT,), writes=topics.PLAYED)
+        super().__init__(PLAYER)
         paths = declare(self, 'bags', [''], 'folders of the runs to play, in this order')
         self._pace = RealTimePacer(
             declare(self, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4)
@@ -48,13 +48,13 @@ class PlayerNode(DataflowNode):
             self._bags = [RunBag(Path(path)) for path in paths]
         except BagError as error:
             raise SettingError(f'parameter bags: {error}') from error
-        self._text = message_class(topics.SETTINGS_TYPE)
+        self._text = message_class(SETTINGS_TYPE)
         self._latched = {
-            node: self.create_publisher(self._text, topics.settings_topic(node), LATCHED)
+            node: self.create_publisher(self._text, settings_topic(node), LATCHED)
             for node in self._bags[0].settings_texts
         }
         self._report = Throttle(REPORT_PERIOD)
-        self._clock_face, self._screen = ClockPublisher(self), JointStatePublisher(self)
+        self._clock_publisher, self._joint_states = ClockPublisher(self), JointStatePublisher(self)
         self._under_way: deque[StepId] = deque()
         self._playing = self._bags[0]
         self._steps = self._play()
@@ -79,9 +79,9 @@ class PlayerNode(DataflowNode):
                 return wait
             if step_id.step == 0 and not step_id.end:
                 self._latch(self._playing)
-            for topic in topics.PLAYED:
+            for topic in REPLAYED:
                 if topic.name in messages:
-                    self.emit(topic, messages[topic.name])
+                    self.emit_raw(topic, messages[topic.name])
                 elif step_id.end:
                     self.emit_silence(topic, step_id, stamp)
             self._under_way.append(step_id)
@@ -97,18 +97,18 @@ class PlayerNode(DataflowNode):
 
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
-        return min(super().poll(), self._screen.refresh())
+        return min(super().poll(), self._joint_states.refresh())
 
     def _show(self, step_id: StepId, stamp: int, messages: dict[str, bytes]) -> None:
-        self._clock_face.show(stamp)
+        self._clock_publisher.publish(stamp)
         if not step_id.end:
             with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
-                pivot, motion = messages[topics.PIVOT.name], messages[topics.MOTION.name]
-                self._screen.offer(stamp, lambda: (decode_samples(pivot), decode_samples(motion)))
+                pivot, motion = messages[PIVOT.name], messages[MOTION.name]
+                self._joint_states.offer(stamp, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
 
     def _play(self) -> Iterator[tuple[StepId, int, dict[str, bytes]]]:
         """Yield number, stamp and messages of every step of every bag; then the end of the session."""
-        names = [topic.name for topic in topics.PLAYED]
+        names = [topic.name for topic in REPLAYED]
         step_id, stamp = StepId(0, 0), 0
         for bag in self._bags:
             self._playing = bag

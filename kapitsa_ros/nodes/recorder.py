@@ -5,9 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.cdr import stamp_of
-from kapitsa_ros.network.messages import decode_command
+from kapitsa_ros.network.registry import COMMAND, RECORDER, WRITTEN
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_name
 from kapitsa_ros.recording.writer import STORAGES, RunWriter
@@ -18,14 +16,14 @@ from kapitsa_ros.ros.settings_subscriber import SettingsSubscriber
 from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
-    from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.network.step import Step
 
 
 class RecorderNode(StepNode):
     """Executable `recorder`."""
 
     def __init__(self) -> None:
-        super().__init__('recorder', reads=topics.RECORDED, writes=(topics.WRITTEN,), follows=(topics.COMMAND,))
+        super().__init__(RECORDER)
         self._bags = Path(declare(self, 'bags', 'runs', 'folder in which each run gets a bag of its own'))
         self._storage = declare(self, 'storage', 'mcap', f'of the bags: {" or ".join(STORAGES)}')
         self._steps_a_chunk = declare(self, 'steps_a_chunk', 5, 'steps that a crash may cost', 1, 1000)
@@ -38,32 +36,30 @@ class RecorderNode(StepNode):
         """Wait for the settings, which open a bag."""
         return super().advance() if self._settings.complete else LOOK_PERIOD
 
-    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
+    def work(self, step: Step) -> None:
         """Write one step."""
-        stamp = stamp_of(messages[topics.PIVOT.name])
         try:
             if self._writer is None:
-                speed = decode_command(messages[topics.COMMAND.name]).speed
-                path = self._bags / run_name(step_id.run, speed)
+                path = self._bags / run_name(step.id.run, step[COMMAND].speed)
                 self._writer = RunWriter(path, self._storage, self._settings.texts, self._steps_a_chunk)
-            self._writer.write_step(stamp, messages)
+            self._writer.write_step(step.stamp_ns, step.raw)
         except BagError as error:
             self._give_up()
             raise NodeError(str(error)) from error
-        self.emit_silence(topics.WRITTEN, step_id, stamp)
+        self.emit_silence(WRITTEN, step.id, step.stamp_ns)
 
-    def end_run(self, step_id: StepId, stamp_ns: int, messages: dict[str, bytes]) -> None:
+    def end_run(self, step: Step) -> None:
         """Write the end of the run and finish its bag."""
         if self._writer is not None:
             try:
-                self._writer.write_step(stamp_ns, messages)
+                self._writer.write_step(step.stamp_ns, step.raw)
                 self._writer.close(complete=True)
             except BagError as error:
                 self._give_up()
                 raise NodeError(str(error)) from error
             self.get_logger().info(f'{self._writer.path} is written')
             self._writer = None
-        super().end_run(step_id, stamp_ns, messages)
+        super().end_run(step)
 
     def close(self) -> None:
         """Finish a bag whose run did not come to its end: it can be read, and says so."""

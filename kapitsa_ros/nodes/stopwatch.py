@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.messages import encode_stopwatch
+from kapitsa_ros.network.registry import STOPWATCH
 from kapitsa_ros.ros.instrument_node import InstrumentNode
 from kapitsa_ros.ros.parameters import declare, declare_settings, settings_text
 
@@ -18,17 +17,15 @@ if TYPE_CHECKING:
 class StopwatchNode(InstrumentNode):
     """Executable `stopwatch`."""
 
-    encode = staticmethod(encode_stopwatch)
-
     def __init__(self) -> None:
-        super().__init__('stopwatch', watches=topics.MOTION, says=topics.STOPWATCH)
+        super().__init__(STOPWATCH)
         self._swings = declare(self, 'swings', 3, 'full swings timed after each release', 1, 1000)
         self._settings = declare_settings(self, StopwatchSettings)
         self.latch_settings(settings_text('stopwatch', seed=self.seed, swings=self._swings, instrument=self._settings))
 
-    def observer(self, chance: Generator) -> Stopwatch:
+    def instrument(self, random: Generator) -> Stopwatch:
         """Return display, eye and thumb."""
-        return Stopwatch(self._settings, self._swings, chance)
+        return Stopwatch(self._settings, self._swings, random)
 
 
 create = StopwatchNode

@@ -15,19 +15,30 @@ from backports import zstd
 from rosbags.rosbag2 import Reader, ReaderError
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.network import topics
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.messages import decode_command, decode_samples, decode_stopwatch, decode_strobe, decode_text
-from kapitsa_ros.network.run import SETTINGS_OF, Run
+from kapitsa_ros.network.registry import (
+    COMMAND,
+    MOTION,
+    PIVOT,
+    READINGS,
+    RIG_ROLES,
+    STROBE_READING,
+    described_by,
+    writer_of,
+)
 from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.settings import decode_settings, settings_topic
+from kapitsa_ros.network.step import Step
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from kapitsa_ros.network.run import Run
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
@@ -36,7 +47,9 @@ _DAMAGE = (
     struct.error, sqlite3.Error, apsw.Error, zstd.ZstdError,
 )  # fmt: skip
 """What rosbags and the libraries below it raise for a damaged file."""
-_NEEDED = (topics.COMMAND, topics.STROBE, topics.STOPWATCH)
+_RUN_TOPICS = (COMMAND, *READINGS)
+"""Those that make a run."""
+_REQUIRED = [role for role in RIG_ROLES if not role.optional]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,12 +93,19 @@ class RunBag:
                 self.messages = reader.message_count
                 self.first_stamp_ns = reader.start_time
                 self.last_stamp_ns = reader.end_time - 1
+                self.format = _format_of(reader)
+                """Version of the bag's format; 0 for bags that state none."""
         except _DAMAGE as error:
             raise BagError(f'{path} cannot be read: {error}') from error
+        if self.format > FORMAT:
+            raise BagError(
+                f'{path} has format {self.format}, this version reads up to {FORMAT}: install a newer kapitsa_ros'
+            )
         if not self.messages:
             raise BagError(f'{path} is empty: the run was never begun')
-        missing = [topic.name for topic in _NEEDED if topic.name not in self._topics]
-        missing += [name for name in map(topics.settings_topic, SETTINGS_OF) if name not in self._topics]
+        needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
+        needed += map(settings_topic, described_by(_REQUIRED))
+        missing = [name for name in needed if name not in self._topics]
         if missing:
             raise BagError(f'{path} is no run of this rig: it lacks {", ".join(missing)}')
 
@@ -111,9 +131,9 @@ class RunBag:
 
     @cached_property
     def settings_texts(self) -> dict[str, str]:
-        """JSON text by node."""
-        names = {topics.settings_topic(node): node for node in SETTINGS_OF}
-        return {names[topic]: decode_text(raw) for topic, _, raw in self.raw(*names)}
+        """JSON text by role."""
+        names = {settings_topic(role): role for role in described_by()}
+        return {names[topic]: decode_settings(raw) for topic, _, raw in self.raw(*names)}
 
     @cached_property
     def run(self) -> Run:
@@ -130,23 +150,19 @@ class RunBag:
             steps = list(self._steps())
             if not steps:
                 raise BagError(f'{self.path} holds no step of a run')
-            builder = RunBuilder(steps[0][0].run, settings)
-            for step_id, messages in steps:
-                if not step_id.end:
-                    builder.add(
-                        decode_command(messages[topics.COMMAND.name]),
-                        decode_strobe(messages[topics.STROBE.name]),
-                        decode_stopwatch(messages[topics.STOPWATCH.name]),
-                    )
+            builder = RunBuilder(steps[0].id.run, settings)
+            for step in steps:
+                if not step.id.end:
+                    builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
         except (WireError, json.JSONDecodeError, KeyError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
-        return builder.build(complete=steps[-1][0].end)
+        return builder.build(complete=steps[-1].id.end)
 
     @property
     def complete(self) -> bool:
         """Whether the run came to its end."""
         try:
-            return any(read_step_id(raw).end for _, _, raw in self.raw(topics.STROBE.name))
+            return any(read_step_id(raw).end for _, _, raw in self.raw(STROBE_READING.name))
         except WireError as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 
@@ -162,10 +178,10 @@ class RunBag:
         """
         stamps, angles, rates = [], [], []
         try:
-            for _, _, raw in self.raw(topics.MOTION.name):
+            for _, _, raw in self.raw(MOTION.name):
                 if read_step_id(raw).end:
                     continue
-                samples = decode_samples(raw)
+                samples = MOTION.decode(raw)
                 times = np.arange(samples.position.size) * round(samples.period * SECOND)
                 stamps.append(stamp_of(raw) + times)
                 angles.append(samples.position)
@@ -192,21 +208,29 @@ class RunBag:
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""
-        for _, _, raw in self.raw(topics.PIVOT.name):
+        for _, _, raw in self.raw(PIVOT.name):
             if not read_step_id(raw).end:
-                yield read_step_id(raw), decode_samples(raw)
+                yield read_step_id(raw), PIVOT.decode(raw)
 
-    def _steps(self) -> Iterator[tuple[StepId, dict[str, bytes]]]:
+    def _steps(self) -> Iterator[Step]:
         """Yield the commands and readings step by step; at the end, the readings' end."""
-        names = [topic.name for topic in _NEEDED]
+        present = [topic for topic in _RUN_TOPICS if topic.name in self._topics]
         pending: dict[StepId, dict[str, bytes]] = {}
         last: StepId | None = None
-        for topic, _, raw in self.raw(*names):
+        for topic, _, raw in self.raw(*(topic.name for topic in present)):
             step_id = read_step_id(raw)
             messages = pending.setdefault(step_id, {})
             messages[topic] = raw
-            if len(messages) == len(names) - step_id.end:
+            # The operator, who ended the run, says nothing at its end.
+            if len(messages) == len(present) - step_id.end:
                 if last is not None and not step_id.follows(last):
                     raise BagError(f'{self.path}: {step_id} came after {last}')
                 last = step_id
-                yield step_id, pending.pop(step_id)
+                yield Step(step_id, pending.pop(step_id))
+
+
+def _format_of(reader: Reader) -> int:
+    """Return the format that a bag states, 0 where it states none; a bag file without its folder cannot."""
+    custom = getattr(reader.storage.metadata, 'custom', None) or {}
+    text = custom.get(FORMAT_KEY, '0')
+    return int(text) if text.isdecimal() else 0

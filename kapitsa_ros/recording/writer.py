@@ -10,8 +10,8 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer, WriterError
 from rosbags.typesys import Stores, get_typestore
 
-from kapitsa_ros.network.messages import encode_text
-from kapitsa_ros.network.topics import RECORDED, SETTINGS_TYPE, settings_topic
+from kapitsa_ros.network.registry import RECORDED
+from kapitsa_ros.network.settings import SETTINGS_TYPE, encode_settings, settings_topic
 from kapitsa_ros.recording.errors import BagError
 
 if TYPE_CHECKING:
@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from rosbags.interfaces import Connection
 
 STORAGES = ('mcap', 'sqlite3')
-COMPLETE = 'complete'
-"""Key of the bag's custom data: `true` once the end of the run has been written."""
+FORMAT = 1
+"""Of the bags written; those that came before it say none. A reader takes its own and what came before."""
+FORMAT_KEY, COMPLETE = 'format', 'complete'
+"""Keys of the bag's custom data; `complete` is `true` once the end of the run has been written."""
 _FOREVER = QosTime(9223372036, 854775807)
 _STORE = get_typestore(Stores.ROS2_JAZZY)
 
@@ -88,7 +90,7 @@ class RunWriter:
         try:
             if not self._steps:
                 for node, connection in self._latched.items():
-                    self._writer.write(connection, stamp_ns, encode_text(self._settings[node]))
+                    self._writer.write(connection, stamp_ns, encode_settings(self._settings[node]))
             for topic, connection in self._connections.items():
                 if topic in messages:
                     self._writer.write(connection, stamp_ns, messages[topic])
@@ -100,6 +102,7 @@ class RunWriter:
 
     def close(self, *, complete: bool) -> None:
         """Finish the bag, so that any rosbag2 reader takes it; say in it whether the run came to its end."""
+        self._writer.set_custom_data(FORMAT_KEY, str(FORMAT))
         self._writer.set_custom_data(COMPLETE, str(complete).lower())
         try:
             self._writer.close()

@@ -9,8 +9,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
+from kapitsa_ros.network.registry import CLIENT, COMMAND, ROLE_NAMES
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.network.topics import COMMAND, ROLES
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import Requests
 from kapitsa_ros.physics.jigsaw import MAX_SPEED
@@ -21,7 +21,7 @@ from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
-from kapitsa_ros.ros.rig_client import ROLE, TOPICS, RigClient
+from kapitsa_ros.ros.rig_client import TOPIC_NAMES, RigClient
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -81,9 +81,9 @@ class Rig:
         bags: str | Path | None = None,
         protocol: str = MANUAL,
     ) -> None:
-        self._roles = ROLES if nodes is None else tuple(nodes)
-        if unknown := set(self._roles) - set(ROLES):
-            raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLES)}')
+        self._roles = ROLE_NAMES if nodes is None else tuple(nodes)
+        if unknown := set(self._roles) - set(ROLE_NAMES):
+            raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLE_NAMES)}')
         self._preset, self._instruments, self._protocol = preset, instruments, protocol
         self._seed, self._rate, self._wanted_domain = seed, rate, domain
         self._given_bags = bags
@@ -114,7 +114,7 @@ class Rig:
             with on_loopback():
                 client = RigClient(self.domain)
             self._client = stack.enter_context(client)
-            expected = [*told['expect'], ROLE]
+            expected = [*told['expect'], CLIENT.name]
             self._nodes = stack.enter_context(NodeGroup(self._roles, told | {'expect': expected}, self.domain))
             self._stack = stack.pop_all()
         return self
@@ -291,6 +291,6 @@ def _is_through(step_id: StepId, next_step: StepId) -> bool:
 
 def _known(topic: str) -> str:
     name = topic.removeprefix('/')
-    if name not in TOPICS:
-        raise UsageError(f'topic {topic!r} is none of {", ".join(TOPICS)}')
+    if name not in TOPIC_NAMES:
+        raise UsageError(f'topic {topic!r} is none of {", ".join(TOPIC_NAMES)}')
     return name

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, recorded_values
+from kapitsa_ros.network.registry import SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.preflight import prepare
-from kapitsa_ros.rig.setup import REPLAY_ROLES, parameters, replay_parameters
+from kapitsa_ros.rig.setup import REPLAY_NAMES, parameters, replay_parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
@@ -66,7 +67,7 @@ def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> di
     """
     bags = [RunBag(path) for path in paths]
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
-    seen: SessionMonitor = _watch(REPLAY_ROLES, replay_parameters(paths, rate), on_progress)
+    seen: SessionMonitor = _watch(REPLAY_NAMES, replay_parameters(paths, rate), on_progress)
     runs = [recorded_values(bag) | values for bag, values in zip(bags, seen.runs, strict=True)]
     values: dict[str, Any] = {'runs': runs} | seen.experiment
     return values | {'realtime_factor': float(seen.progress['realtime_factor'])}
@@ -77,7 +78,10 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
     with removing_stale_segments(), reserved_domain() as domain:
         with on_loopback():
             observer = SessionMonitor(domain, on_progress)
-        with observer as seen, NodeGroup(roles, told | {'expect': [*told['expect'], 'observer']}, domain) as nodes:
+        with (
+            observer as seen,
+            NodeGroup(roles, told | {'expect': [*told['expect'], SESSION_MONITOR.name]}, domain) as nodes,
+        ):
             while not nodes.wait(WATCH_PERIOD):
                 if not seen.session_over:
                     nodes.refuse_leavers(LEAVING)

@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.instruments.settings import load_instruments
-from kapitsa_ros.network.topics import ROLES
+from kapitsa_ros.network.registry import REPLAY_ROLES, ROLE_NAMES
 from kapitsa_ros.operator.protocol import MANUAL, Protocol, load_protocol
 from kapitsa_ros.physics.plant import Plant
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-REPLAY_ROLES = ('player', 'analyser')
+REPLAY_NAMES = tuple(role.name for role in REPLAY_ROLES)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +28,7 @@ class Setup:
     rate: float = 0.0
     bags: Path = Path('runs')
     storage: str = 'mcap'
-    roles: tuple[str, ...] = ROLES
+    roles: tuple[str, ...] = ROLE_NAMES
 
     def carried_out(self) -> Protocol:
         """Return the protocol."""
@@ -54,4 +54,4 @@ def parameters(setup: Setup) -> dict[str, Any]:
 
 def replay_parameters(bags: Sequence[Path], rate: float) -> dict[str, Any]:
     """Return the parameters of player and analyser."""
-    return {'expect': list(REPLAY_ROLES), 'bags': [str(bag) for bag in bags], 'rate': float(rate)}
+    return {'expect': list(REPLAY_NAMES), 'bags': [str(bag) for bag in bags], 'rate': float(rate)}

@@ -22,7 +22,7 @@ class ClockPublisher:
         self._publisher = node.create_publisher(Clock, '/clock', VIEW)
         self._throttle = Throttle()
 
-    def show(self, stamp_ns: int) -> None:
+    def publish(self, stamp_ns: int) -> None:
         """Publish a simulated time, unless the last is too fresh."""
         if self._throttle.due():
             self._publisher.publish(Clock(clock=to_time(stamp_ns)))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
@@ -12,10 +12,11 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from kapitsa_ros.network.cdr import encode_silence, read_step_id
+from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.messages import load_codecs
-from kapitsa_ros.network.topics import ROLES, SETTINGS_TYPE, Topic, settings_topic, writers_of
+from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
+from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
+from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.parameters import declare
@@ -28,7 +29,11 @@ if TYPE_CHECKING:
 
     from rclpy.publisher import Publisher
 
+    from kapitsa_ros.network.role import Role
     from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.network.topic import Topic
+
+T = TypeVar('T')
 
 IDLE = 1.0
 """Seconds between two looks around when only messages give work."""
@@ -49,37 +54,41 @@ class DataflowNode(Node):
 
     Parameters
     ----------
-    name
-        The role, one of `topics.NODES` or `player`.
-    reads, writes
-        Its numbered topics; those that an unexpected peer would write are left out.
+    role
+        Its name and its numbered topics; those that an unexpected peer would write are left out.
 
     """
 
-    def __init__(self, name: str, *, reads: tuple[Topic, ...], writes: tuple[Topic, ...]) -> None:
-        super().__init__(name)
-        expect = declare(self, 'expect', list(ROLES), 'roles of the graph: no step is emitted before they are matched')
+    def __init__(self, role: Role) -> None:
+        super().__init__(role.name)
+        self.role = role
+        expect = declare(
+            self, 'expect', list(REQUIRED_NAMES), 'roles of the graph: no step is emitted before they are matched'
+        )
         self.expected = frozenset(expect or ())
-        unknown = self.expected - {*ROLES, 'player', 'observer', 'client'}
+        unknown = self.expected - KNOWN_NAMES
         if unknown or not self.expected:
-            raise SettingError(f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLES)}')
+            raise SettingError(
+                f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLE_NAMES)}'
+            )
         self.finished = False
         self._failure: Exception | None = None
         self._refused = 0
         self._held_up = 0
         self._health = Throttle(HEALTH_PERIOD)
         self.diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
-        self.reads = tuple(topic for topic in reads if writers_of(topic) & self.expected)
-        if reads and not self.reads:
-            raise SettingError(f'parameter expect: nobody there would write {reads[0].name}')
-        self.writes = writes
+        self.reads = tuple(topic for topic in role.reads if writers_of(topic) & self.expected)
+        if role.reads and not self.reads:
+            raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
+        self.writes = role.writes
         self._out = {
-            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in writes
+            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
         }
         for topic in self.reads:
             self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
-        load_codecs(topic.type for topic in (*self.reads, *writes))
-        self._peers = PeerDiscovery(self, writes, self.reads, self.expected)
+        for topic in (*self.reads, *self.writes):
+            load_type(topic.type)
+        self._peers = PeerDiscovery(self, self.writes, self.reads, self.expected)
 
     # What a role adds.
 
@@ -101,7 +110,11 @@ class DataflowNode(Node):
         settings = message_class(SETTINGS_TYPE)
         self.create_publisher(settings, settings_topic(self.get_name()), LATCHED).publish(settings(data=text))
 
-    def emit(self, topic: Topic, raw: bytes) -> None:
+    def emit(self, topic: Topic[T], step_id: StepId, stamp_ns: int, value: T) -> None:
+        """Publish a value as the message of a step."""
+        self.emit_raw(topic, topic.encode(stamp_ns, step_id, value))
+
+    def emit_raw(self, topic: Topic[Any], raw: bytes) -> None:
         """Publish one message; a reader that is behind slows the writer, it does not break it."""
         publisher = self._out[topic.name]
         said = False
@@ -118,9 +131,9 @@ class DataflowNode(Node):
             else:
                 return
 
-    def emit_silence(self, topic: Topic, step_id: StepId, stamp_ns: int) -> None:
+    def emit_silence(self, topic: Topic[Any], step_id: StepId, stamp_ns: int) -> None:
         """Publish a message that holds nothing but its number."""
-        self.emit(topic, encode_silence(topic.type, stamp_ns, step_id))
+        self.emit_raw(topic, topic.codec.encode_silence(stamp_ns, step_id))
 
     def refuse(self, why: str) -> None:
         """Count input that was not used, and say so once in a while."""

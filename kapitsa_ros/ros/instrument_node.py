@@ -5,57 +5,47 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Protocol
 
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.network.cdr import stamp_of
-from kapitsa_ros.network.messages import decode_samples
 from kapitsa_ros.ros.parameters import declare_seed
-from kapitsa_ros.ros.step_node import StepNode, seconds_of_run
+from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
     from numpy.random import Generator
 
-    from kapitsa_ros.network.step_id import StepId
-    from kapitsa_ros.network.topics import Topic
+    from kapitsa_ros.network.role import Role
+    from kapitsa_ros.network.step import Step
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 
 class Instrument(Protocol):
-    """What the instruments room offers."""
+    """An instrument together with the person who reads it."""
 
     def observe(self, start: float, motion: SampledMotion, /) -> Any:
-        """Watch one step; return a reading or None."""
+        """Watch one step, which begins at `start` seconds of the run; return a reading or None."""
 
 
 class InstrumentNode(StepNode):
-    """Base of strobe and stopwatch.
+    """Base of the nodes that read one motion and write one topic of readings.
 
     Parameters
     ----------
-    name
-        The role, which is also the name of its stream of chance.
-    watches, says
-        The topic it reads and the one it writes.
+    role
+        Its only topics are the motion and the readings.
 
     """
 
-    def __init__(self, name: str, *, watches: Topic, says: Topic) -> None:
-        super().__init__(name, reads=(watches,), writes=(says,))
+    def __init__(self, role: Role) -> None:
+        super().__init__(role)
         self.seed = declare_seed(self)
-        self._watches, self._says = watches, says
-        self._observer: Instrument
+        (self._motion,), (self._readings,) = role.reads, role.writes
+        self._instrument: Instrument
 
-    def observer(self, chance: Generator) -> Instrument:
-        """Return the instrument and its person, as they begin a run."""
+    def instrument(self, random: Generator) -> Instrument:
+        """Return the instrument as it begins a run, with its stream of random numbers."""
         raise NotImplementedError
 
-    def encode(self, stamp_ns: int, step_id: StepId, reading: Any) -> bytes:
-        """Encode a reading or silence."""
-        raise NotImplementedError
-
-    def work(self, step_id: StepId, messages: dict[str, bytes]) -> None:
+    def work(self, step: Step) -> None:
         """Watch one step."""
-        raw = messages[self._watches.name]
-        if step_id.step == 0:
-            self._observer = self.observer(random_stream(self.seed, self.get_name(), step_id.run))
-        stamp = stamp_of(raw)
-        reading = self._observer.observe(seconds_of_run(stamp, step_id), decode_samples(raw))
-        self.emit(self._says, self.encode(stamp, step_id, reading))
+        if step.id.step == 0:
+            self._instrument = self.instrument(random_stream(self.seed, self.get_name(), step.id.run))
+        reading = self._instrument.observe(step.start, step[self._motion])
+        self.emit(self._readings, step.id, step.stamp_ns, reading)

@@ -28,18 +28,18 @@ class JointStatePublisher:
 
     def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
-        self._film = FrameSchedule()
+        self._schedule = FrameSchedule()
 
     def offer(self, stamp_ns: int, blocks: Callable[[], tuple[SampledMotion, SampledMotion]]) -> None:
         """Take the motion of pivot and pendulum over a step, if a viewer could use it by now."""
         now = time.monotonic()
-        if self._film.wants(now):
-            self._film.take(now, stamp_ns, *blocks())
+        if self._schedule.wants(now):
+            self._schedule.take(now, stamp_ns, *blocks())
 
     def refresh(self) -> float:
         """Publish what is due; return the seconds until the next call."""
         now = time.monotonic()
-        frame = self._film.due(now)
+        frame = self._schedule.due(now)
         if frame is not None:
             self._publisher.publish(
                 JointState(
@@ -49,4 +49,4 @@ class JointStatePublisher:
                     velocity=frame.velocity,
                 )
             )
-        return self._film.wait(now)
+        return self._schedule.wait(now)

@@ -19,6 +19,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
 from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.network.registry import NODE_NAMES
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.shutdown import exit_within
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
@@ -30,15 +31,14 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 """Seconds given to DDS to take a node down."""
-ROLES = ('jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player')
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the node named first; what follows are ROS arguments. Return the exit status."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    if not arguments or arguments[0] not in ROLES:
+    if not arguments or arguments[0] not in NODE_NAMES:
         given = repr(arguments[0]) if arguments else 'none'
-        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(ROLES)}', file=sys.stderr)
+        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
         return 2
     role = arguments[0]
     module = import_module(f'kapitsa_ros.nodes.{role}')

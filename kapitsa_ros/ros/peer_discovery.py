@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.network.registry import readers_of, writer_of
 from kapitsa_ros.ros.errors import NodeError
 
 if TYPE_CHECKING:
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
-    from kapitsa_ros.network.topics import Topic
+    from kapitsa_ros.network.topic import Topic
 
 PATIENCE = 3.0
 """Seconds before the first line about who is missing; each next one comes after twice the time."""
@@ -24,9 +25,11 @@ class PeerDiscovery:
     Holding back the first message is all it takes: in a dataflow network a late message changes nothing.
     """
 
-    def __init__(self, node: Node, writes: Iterable[Topic], reads: Iterable[Topic], expected: frozenset[str]) -> None:
+    def __init__(
+        self, node: Node, writes: Iterable[Topic[Any]], reads: Iterable[Topic[Any]], expected: frozenset[str]
+    ) -> None:
         self._node = node
-        self._writes = {topic: set(topic.readers) & expected for topic in writes}
+        self._writes = {topic: readers_of(topic) & expected for topic in writes}
         self._reads = tuple(reads)
         self._next_line = time.monotonic() + PATIENCE
         self._wait = PATIENCE
@@ -66,7 +69,7 @@ class PeerDiscovery:
             missing |= wanted - set(self.readers(topic.name))
         for topic in self._reads:
             if not self._node.get_publishers_info_by_topic(topic.name):
-                missing.add(topic.writer)
+                missing.add(writer_of(topic).name)
         return missing
 
     def _refuse_doubles(self) -> None:

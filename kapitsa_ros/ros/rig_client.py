@@ -13,9 +13,9 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
 from std_srvs.srv import Trigger
 
-from kapitsa_ros.network import messages, topics
-from kapitsa_ros.network.cdr import is_silence, read_step_id
+from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.registry import CLIENT, RESULT, TOPICS, WRITTEN, topic_named
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.qos import STREAM, message_class
 
@@ -27,22 +27,13 @@ if TYPE_CHECKING:
     from rclpy.task import Future
 
     from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.network.topic import Topic
 
-ROLE = 'client'
 UNREAD = 1000
 """Messages a topic keeps until they are read; then the oldest are forgotten."""
-_DECODE: dict[str, Callable[[bytes], Any]] = {
-    topics.COMMAND.name: messages.decode_command,
-    topics.PIVOT.name: messages.decode_samples,
-    topics.MOTION.name: messages.decode_samples,
-    topics.STROBE.name: messages.decode_strobe,
-    topics.STOPWATCH.name: messages.decode_stopwatch,
-    topics.RESULT.name: messages.decode_result,
-}
-TOPICS = tuple(_DECODE)
-"""Those that can be read."""
-FOLLOWED = (*TOPICS, topics.WRITTEN.name)
-"""Those whose numbers tell how far the graph is."""
+_VALUED = tuple(topic for topic in TOPICS if topic is not WRITTEN)
+TOPIC_NAMES = tuple(topic.name for topic in _VALUED)
+"""Topics that can be read."""
 
 
 class _Message(NamedTuple):
@@ -74,13 +65,13 @@ class RigClient(ListenerNode):
     def __init__(self, domain: int) -> None:
         self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
         """File descriptor."""
-        self.seen: dict[str, StepId | None] = dict.fromkeys(FOLLOWED)
+        self.seen: dict[str, StepId | None] = dict.fromkeys(topic.name for topic in TOPICS)
         """Number of the newest message by topic; silent ones and ends of runs count too."""
         self._newest: dict[str, _Message] = {}
-        self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in FOLLOWED}
+        self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in self.seen}
         self._lock = threading.Lock()
-        super().__init__(ROLE, domain)
-        for topic in (*topics.RECORDED, topics.WRITTEN):
+        super().__init__(CLIENT.name, domain)
+        for topic in TOPICS:
             self._node.create_subscription(message_class(topic.type), topic.name, self._taker(topic), STREAM, raw=True)
         self._asks: dict[str, Publisher] = {
             name: self._node.create_publisher(Float64, name, 10) for name in ('operator/speed', 'operator/release')
@@ -108,7 +99,7 @@ class RigClient(ListenerNode):
         while unread:
             with self._lock:
                 message = unread.popleft()
-            value = _DECODE[topic](message.raw)
+            value = topic_named(topic).decode(message.raw)
             if predicate is None or predicate(value):
                 return value
         return None
@@ -116,25 +107,25 @@ class RigClient(ListenerNode):
     def take_all(self) -> list[News]:
         """Return the unread messages of all topics, in the order of their steps."""
         with self._lock:
-            taken = [(name, message) for name in TOPICS for message in self._unread[name]]
-            for name in TOPICS:
+            taken = [(name, message) for name in TOPIC_NAMES for message in self._unread[name]]
+            for name in TOPIC_NAMES:
                 self._unread[name].clear()
         news = []
         for name, message in taken:
             with contextlib.suppress(WireError):  # somebody else's; the nodes of the rig say so
-                news.append(News(name, message.step_id, _DECODE[name](message.raw)))
+                news.append(News(name, message.step_id, topic_named(name).decode(message.raw)))
         return sorted(news, key=lambda item: (item.step_id.run, item.step_id.step))
 
     def latest(self, topic: str) -> Any:
         """Return the newest message that says something, as a plain type, or None."""
         message = self._newest.get(topic)
-        return None if message is None else _DECODE[topic](message.raw)
+        return None if message is None else topic_named(topic).decode(message.raw)
 
     def forget_before(self, run: int) -> None:
         """Drop what was said in earlier runs; not their results, which come when a run is over."""
         with self._lock:
             for name, unread in self._unread.items():
-                if name == topics.RESULT.name:
+                if name == RESULT.name:
                     continue
                 kept = [message for message in unread if message.step_id.run >= run]
                 unread.clear()
@@ -170,7 +161,7 @@ class RigClient(ListenerNode):
     def _tell(self) -> None:
         os.eventfd_write(self.news, 1)
 
-    def _taker(self, topic: topics.Topic) -> Callable[[bytes], None]:
+    def _taker(self, topic: Topic[Any]) -> Callable[[bytes], None]:
         unread = self._unread[topic.name]
 
         def take(raw: bytes) -> None:
@@ -179,7 +170,7 @@ class RigClient(ListenerNode):
             except WireError:
                 return  # somebody else's; the nodes of the rig say so
             with self._lock:
-                if not is_silence(topic.type, raw):
+                if not topic.codec.is_silence(raw):
                     self._newest[topic.name] = message
                     unread.append(message)
                 self.seen[topic.name] = message.step_id

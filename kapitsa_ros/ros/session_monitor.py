@@ -9,9 +9,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.messages import decode_result
+from kapitsa_ros.network.registry import RESULT, SESSION_MONITOR
 from kapitsa_ros.network.step_id import ends_session
-from kapitsa_ros.network.topics import RESULT
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.qos import STREAM, message_class
 
@@ -45,7 +44,7 @@ class SessionMonitor(ListenerNode):
         self._ended = False
         self._news = threading.Condition()
         self._on_progress = on_progress
-        super().__init__('observer', domain)
+        super().__init__(SESSION_MONITOR.name, domain)
         self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
         self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
 
@@ -93,7 +92,7 @@ class SessionMonitor(ListenerNode):
 
     def _take_result(self, raw: bytes) -> None:
         try:
-            results = decode_result(raw)
+            results = RESULT.decode(raw)
             step_id = read_step_id(raw)
         except WireError:
             return  # not the analyser's: it says nothing this cannot read

@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kapitsa_ros.network import topics
+from kapitsa_ros.network import registry
 from kapitsa_ros.network.cdr import read_step_id
-from kapitsa_ros.network.messages import decode_command
 from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
@@ -144,7 +143,7 @@ def test_ideal_instruments_read_the_nonlinear_truth(kapitsa: Kapitsa, tmp_path: 
 def test_the_motion_in_the_bag_is_that_of_the_sampled_pivot(recorded: Recorded) -> None:
     for path in sorted(recorded[0].iterdir()):
         bag = RunBag(path)
-        commands = {read_step_id(raw): decode_command(raw) for _, _, raw in bag.raw(topics.COMMAND.name)}
+        commands = {read_step_id(raw): registry.COMMAND.decode(raw) for _, _, raw in bag.raw(registry.COMMAND.name)}
         pendulum = Pendulum(bag.run.plant)
         angles = [np.array([0.12])]
         for step_id, pivot in bag.pivot():

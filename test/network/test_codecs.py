@@ -1,27 +1,30 @@
 """Bytes on the wire, held against rclpy's own and against garbage."""
 
+from typing import Any
+
 import numpy as np
 import pytest
-from diagnostic_msgs.msg import DiagnosticArray
 from hypothesis import given
 from hypothesis import strategies as st
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import JointState, TimeReference
+from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.network import messages as m
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.cdr import encode_silence, is_silence, read_step_id, stamp_of
+from kapitsa_ros.network import registry
+from kapitsa_ros.network.cdr import read_step_id, stamp_of
+from kapitsa_ros.network.codecs.motion import MotionCodec
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.topic import Topic
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.physics.sampled_motion import SampledMotion
+from kapitsa_ros.ros.qos import message_class
 
-TICKS = [StepId(1, 0), StepId(1, 12), StepId(7, 123), StepId(3, 1234), StepId(12, 99_999), StepId(1, 5, end=True)]
+STEP_IDS = [StepId(1, 0), StepId(1, 12), StepId(7, 123), StepId(3, 1234), StepId(12, 99_999), StepId(1, 5, end=True)]
 STAMP = DAY + 5 * SECOND + 123_456_789
 
 
@@ -29,11 +32,11 @@ def samples(count: int = 101) -> SampledMotion:
     return SampledMotion(0.001, *np.random.default_rng(1).normal(size=(3, count)))
 
 
-@pytest.mark.parametrize('step_id', TICKS, ids=str)
+@pytest.mark.parametrize('step_id', STEP_IDS, ids=str)
 @pytest.mark.parametrize('joint', ['pivot', 'pendulum'])
 def test_a_block_is_what_rclpy_reads(step_id: StepId, joint: str) -> None:
     block = samples()
-    raw = m.encode_samples(STAMP, step_id, joint, block)
+    raw = MotionCodec(joint).encode(STAMP, step_id, block)
     message = deserialize_message(raw, JointTrajectory)
     assert message.joint_names == [joint]
     assert message.header.frame_id == str(step_id)
@@ -57,7 +60,7 @@ def test_a_block_of_rclpy_is_read_alike() -> None:
         for point in points:
             point.effort = effort
         message = JointTrajectory(header=Header(frame_id='run 1 step 0'), joint_names=['pivot'], points=points)
-        read = m.decode_samples(exact(message))
+        read = registry.PIVOT.decode(exact(message))
         assert read.period == block.period
         for name in ('position', 'rate', 'acceleration'):
             assert np.array_equal(getattr(read, name), getattr(block, name))
@@ -68,35 +71,35 @@ def exact(message: JointTrajectory) -> bytes:
     raw = serialize_message(message)
     for spare in range(0, 4096, 4):
         try:
-            m.decode_samples(raw[: len(raw) - spare])
+            registry.PIVOT.decode(raw[: len(raw) - spare])
         except WireError:
             continue
         return raw[: len(raw) - spare]
     raise AssertionError("no prefix of rclpy's bytes is a message")
 
 
-@pytest.mark.parametrize('kind', sorted({topic.type for topic in (*topics.RECORDED, topics.WRITTEN)}))
-@pytest.mark.parametrize('step_id', TICKS, ids=str)
-def test_silence_is_an_empty_message(kind: str, step_id: StepId) -> None:
-    raw = encode_silence(kind, STAMP, step_id)
+@pytest.mark.parametrize('topic', registry.TOPICS, ids=lambda topic: topic.name)
+@pytest.mark.parametrize('step_id', STEP_IDS, ids=str)
+def test_silence_is_an_empty_message(topic: Topic[Any], step_id: StepId) -> None:
+    raw = topic.codec.encode_silence(STAMP, step_id)
     assert read_step_id(raw) == step_id
-    assert is_silence(kind, raw)
-    assert is_silence(kind, raw + bytes(-len(raw) % 4)), 'padded as it arrives'
+    assert topic.codec.is_silence(raw)
+    assert topic.codec.is_silence(raw + bytes(-len(raw) % 4)), 'padded as it arrives'
     assert stamp_of(raw) == STAMP
 
 
-def test_silence_is_what_rclpy_reads_as_nothing() -> None:
+@pytest.mark.parametrize('topic', registry.TOPICS, ids=lambda topic: topic.name)
+def test_silence_is_what_rclpy_reads_as_nothing(topic: Topic[Any]) -> None:
     header = Header(frame_id='run 1 step 12')
-    assert deserialize_message(encode_silence('std_msgs/msg/Header', 0, StepId(1, 12)), Header) == header
-    for kind in (JointState, TimeReference, JointTrajectory, DiagnosticArray):
-        name = f'{kind.__module__.split(".")[0]}/msg/{kind.__name__}'
-        assert deserialize_message(encode_silence(name, 0, StepId(1, 12)), kind) == kind(header=header)
+    kind = message_class(topic.type)
+    expected = header if kind is Header else kind(header=header)
+    assert deserialize_message(topic.codec.encode_silence(0, StepId(1, 12)), kind) == expected
 
 
 @pytest.mark.parametrize('command', [Command(234.0, 0.12), Command(234.0, None), Command(0.0, None, end=True)])
 def test_commands_come_back(command: Command) -> None:
-    raw = m.encode_command(STAMP, StepId(2, 7), command)
-    assert m.decode_command(raw) == command
+    raw = registry.COMMAND.encode(STAMP, StepId(2, 7), command)
+    assert registry.COMMAND.decode(raw) == command
     message = deserialize_message(raw, JointState)
     held = [] if command.hold is None else ['pendulum']
     assert list(message.name) == ([] if command.end else ['shaft', *held])
@@ -105,17 +108,19 @@ def test_commands_come_back(command: Command) -> None:
 @given(st.floats(0, 80_000, allow_nan=False), st.floats(0, 1e4), st.integers(1, 1000))
 def test_readings_come_back_to_the_nanosecond(time: float, value: float, swings: int) -> None:
     step_id = StepId(3, 7)
-    strobe = m.decode_strobe(m.encode_strobe(STAMP, step_id, StrobeReading(time=time, speed=value)))
+    strobe = registry.STROBE_READING.decode(
+        registry.STROBE_READING.encode(STAMP, step_id, StrobeReading(time=time, speed=value))
+    )
     assert strobe is not None
     assert strobe.speed == value
     assert strobe.time == pytest.approx(time, abs=1e-9)
     reading = StopwatchReading(pressed_at=time, displayed=value, swings=swings, kind='timed')
-    stopwatch = m.decode_stopwatch(m.encode_stopwatch(STAMP, step_id, reading))
+    stopwatch = registry.STOPWATCH_READING.decode(registry.STOPWATCH_READING.encode(STAMP, step_id, reading))
     assert stopwatch is not None
     assert (stopwatch.swings, stopwatch.kind) == (swings, 'timed')
     assert stopwatch.displayed == pytest.approx(value, abs=1e-9)
-    assert m.decode_strobe(m.encode_strobe(STAMP, step_id, None)) is None
-    assert m.decode_stopwatch(m.encode_stopwatch(STAMP, step_id, None)) is None
+    assert registry.STROBE_READING.decode(registry.STROBE_READING.encode(STAMP, step_id, None)) is None
+    assert registry.STOPWATCH_READING.decode(registry.STOPWATCH_READING.encode(STAMP, step_id, None)) is None
 
 
 def test_results_come_back_digit_for_digit() -> None:
@@ -123,23 +128,23 @@ def test_results_come_back_digit_for_digit() -> None:
         'run 1': {'period_s': 0.1 + 0.2, 'fell': False, 'slow_rpm': None},
         'experiment': {'truth_rpm': 1354.8036386090832},
     }
-    assert m.decode_result(m.encode_result(STAMP, StepId(1, 5, end=True), values)) == values
+    assert registry.RESULT.decode(registry.RESULT.encode(STAMP, StepId(1, 5, end=True), values)) == values
 
 
 @given(st.binary(max_size=200))
 def test_garbage_is_refused_by_name(raw: bytes) -> None:
-    for decode in (read_step_id, m.decode_samples, m.decode_command):
+    for decode in (read_step_id, registry.PIVOT.decode, registry.COMMAND.decode):
         with pytest.raises(WireError):
             decode(raw)
 
 
 @given(st.data())
 def test_a_cut_or_bent_block_is_refused_or_read(data: st.DataObject) -> None:
-    raw = bytearray(m.encode_samples(STAMP, StepId(1, 3), 'pivot', samples(8)))
+    raw = bytearray(registry.PIVOT.encode(STAMP, StepId(1, 3), samples(8)))
     for _ in range(data.draw(st.integers(1, 4))):
         raw[data.draw(st.integers(0, len(raw) - 1))] = data.draw(st.integers(0, 255))
     try:
-        block = m.decode_samples(bytes(raw[: data.draw(st.integers(0, len(raw)))]))
+        block = registry.PIVOT.decode(bytes(raw[: data.draw(st.integers(0, len(raw)))]))
     except WireError:
         return
     assert np.isfinite(block.position).all()
@@ -148,4 +153,4 @@ def test_a_cut_or_bent_block_is_refused_or_read(data: st.DataObject) -> None:
 @pytest.mark.parametrize('speed', [np.nan, np.inf, -np.inf])
 def test_commands_that_are_not_finite_are_refused(speed: float) -> None:
     with pytest.raises(WireError, match='not finite'):
-        m.decode_command(m.encode_command(STAMP, StepId(1, 0), Command(speed, 0.1)))
+        registry.COMMAND.decode(registry.COMMAND.encode(STAMP, StepId(1, 0), Command(speed, 0.1)))

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from kapitsa_ros.network.errors import SequenceError
+from kapitsa_ros.network.step import Step
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.network.synchronizer import StepSynchronizer
 
@@ -20,44 +21,44 @@ FOLLOWING = [*run(1, 4)[:-1], StepId(1, 4), StepId(1, 5), *run(2, 3), *run(2, 2)
 TOPICS = {'a': LEADING, 'b': LEADING, 'command': FOLLOWING}
 
 
-def taken(order: list[str]) -> list[tuple[StepId, dict[str, bytes]]]:
-    join = StepSynchronizer(('a', 'b'), ('command',))
-    messages = {topic: iter(ticks) for topic, ticks in TOPICS.items()}
+def taken(order: list[str]) -> list[Step]:
+    synchronizer = StepSynchronizer(('a', 'b'), ('command',))
+    messages = {topic: iter(step_ids) for topic, step_ids in TOPICS.items()}
     steps = []
     for topic in order:
         step_id = next(messages[topic])
-        assert join.put(topic, step_id, f'{topic} {step_id}'.encode())
-        while (step := join.take()) is not None:
+        assert synchronizer.put(topic, step_id, f'{topic} {step_id}'.encode())
+        while (step := synchronizer.take()) is not None:
             steps.append(step)
     return steps
 
 
-IN_ORDER = list(itertools.chain.from_iterable([topic] * len(ticks) for topic, ticks in TOPICS.items()))
+IN_ORDER = list(itertools.chain.from_iterable([topic] * len(step_ids) for topic, step_ids in TOPICS.items()))
 
 
 @given(st.permutations(IN_ORDER))
 def test_the_order_of_arrival_changes_nothing(order: list[str]) -> None:
     steps = taken(order)
     assert steps == taken(IN_ORDER)
-    assert [step_id for step_id, _ in steps] == LEADING
-    for step_id, messages in steps:
-        assert set(messages) == ({'a', 'b'} if step_id.end else {'a', 'b', 'command'})
-        assert all(raw.decode() == f'{topic} {step_id}' for topic, raw in messages.items())
+    assert [step.id for step in steps] == LEADING
+    for step in steps:
+        assert set(step.raw) == ({'a', 'b'} if step.id.end else {'a', 'b', 'command'})
+        assert all(raw.decode() == f'{topic} {step.id}' for topic, raw in step.raw.items())
 
 
 def test_steps_seen_before_are_not_taken_twice() -> None:
-    join = StepSynchronizer(('a',))
-    assert join.put('a', StepId(1, 0), b'')
-    assert join.put('a', StepId(1, 1), b'')
-    assert not join.put('a', StepId(1, 1), b'again')
-    assert not join.put('a', StepId(1, 0), b'again')
+    synchronizer = StepSynchronizer(('a',))
+    assert synchronizer.put('a', StepId(1, 0), b'')
+    assert synchronizer.put('a', StepId(1, 1), b'')
+    assert not synchronizer.put('a', StepId(1, 1), b'again')
+    assert not synchronizer.put('a', StepId(1, 0), b'again')
 
 
 def test_a_missing_step_is_named() -> None:
-    join = StepSynchronizer(('a',))
-    join.put('a', StepId(1, 0), b'')
+    synchronizer = StepSynchronizer(('a',))
+    synchronizer.put('a', StepId(1, 0), b'')
     with pytest.raises(SequenceError, match='gap on a: run 1 step 2 came after run 1 step 0'):
-        join.put('a', StepId(1, 2), b'')
+        synchronizer.put('a', StepId(1, 2), b'')
 
 
 def test_whoever_comes_late_is_told_so() -> None:

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.network import messages as m
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.cdr import encode_silence
+from kapitsa_ros.network import registry
+from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
@@ -36,19 +36,21 @@ def step_messages(step_id: StepId) -> dict[str, bytes]:
     """Return the messages of a step of a made-up run: let go at step 4, both readings at step 8."""
     stamp = CLOCK.start_ns(step_id)
     if step_id.end:
-        return {topic.name: encode_silence(topic.type, stamp, step_id) for topic in topics.RECORDED[1:]}
+        return {topic.name: topic.codec.encode_silence(stamp, step_id) for topic in registry.RECORDED[1:]}
     time = CLOCK.start(step_id) + np.linspace(0.0, 0.1, 101)
     motion = SampledMotion(0.001, np.sin(time), np.cos(time), -np.sin(time))
     read = step_id.step == 8
     strobe = StrobeReading(time=CLOCK.start(step_id), speed=234.0) if read else None
     timed = StopwatchReading(pressed_at=CLOCK.start(step_id), displayed=1.5, swings=3, kind='timed') if read else None
     return {
-        topics.COMMAND.name: m.encode_command(stamp, step_id, Command(2240 * RPM, 0.12 if step_id.step < 4 else None)),
-        topics.PIVOT.name: m.encode_samples(stamp, step_id, 'pivot', motion),
-        topics.MOTION.name: m.encode_samples(stamp, step_id, 'pendulum', motion),
-        topics.STROBE.name: m.encode_strobe(stamp, step_id, strobe),
-        topics.STOPWATCH.name: m.encode_stopwatch(stamp, step_id, timed),
-        topics.RESULT.name: encode_silence(topics.RESULT.type, stamp, step_id),
+        registry.COMMAND.name: registry.COMMAND.encode(
+            stamp, step_id, Command(2240 * RPM, 0.12 if step_id.step < 4 else None)
+        ),
+        registry.PIVOT.name: registry.PIVOT.encode(stamp, step_id, motion),
+        registry.MOTION.name: registry.MOTION.encode(stamp, step_id, motion),
+        registry.STROBE_READING.name: registry.STROBE_READING.encode(stamp, step_id, strobe),
+        registry.STOPWATCH_READING.name: registry.STOPWATCH_READING.encode(stamp, step_id, timed),
+        registry.RESULT.name: registry.RESULT.codec.encode_silence(stamp, step_id),
     }
 
 
@@ -137,8 +139,10 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
 
 def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
     with Writer(tmp_path / 'other', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
-        connection = writer.add_connection('/chatter', 'std_msgs/msg/String', typestore=m._STORE)
-        writer.write(connection, 1, m.encode_text('hello'))
+        connection = writer.add_connection(
+            '/chatter', 'std_msgs/msg/String', typestore=get_typestore(Stores.ROS2_JAZZY)
+        )
+        writer.write(connection, 1, encode_settings('hello'))
     with pytest.raises(BagError, match='lacks operator/command, strobe/reading'):
         RunBag(tmp_path / 'other')
 
@@ -176,3 +180,15 @@ def test_existing_runs_are_not_overwritten(tmp_path: Path) -> None:
         refuse_existing(tmp_path, [2240 * RPM, 2640 * RPM])
     with pytest.raises(BagError, match='cannot write'):
         RunWriter(tmp_path / run_name(2, 2640 * RPM), 'mcap', SETTINGS, 5)
+
+
+def test_a_bag_states_its_format_and_one_of_the_future_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / 'run_01_2240rpm')
+    assert RunBag(path).format == 1
+    assert RunBag(Path(__file__).parents[2] / 'bags' / 'run_01_2240rpm').format == 0, 'shipped before bags had one'
+    metadata = path / 'metadata.yaml'
+    text = metadata.read_text()
+    assert "format: '1'" in text
+    metadata.write_text(text.replace("format: '1'", "format: '2'"))
+    with pytest.raises(BagError, match='has format 2, this version reads up to 1: install a newer'):
+        RunBag(path)

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from kapitsa_ros.network.topics import ROLE_NAMES
 
-from kapitsa_ros.network.topics import ROLES
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import node_environment
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.xdist_group('harness')
 
 
 def test_bisection_finds_the_critical_speed(tmp_path: Path) -> None:
-    with Rig(nodes=[role for role in ROLES if role != 'operator'], bags=tmp_path) as rig:
+    with Rig(nodes=[role for role in ROLE_NAMES if role != 'operator'], bags=tmp_path) as rig:
         done = subprocess.run(
             [sys.executable, EXAMPLES / 'bisection.py'], env=node_environment(rig.domain),
             capture_output=True, text=True, timeout=120, check=False,

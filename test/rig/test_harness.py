@@ -17,8 +17,7 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
-from kapitsa_ros.network import topics
-from kapitsa_ros.network.messages import decode_command
+from kapitsa_ros.network import registry
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
@@ -230,7 +229,7 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
     context.try_shutdown()
     bag = newest_bag(lab)
     lab.reset()
-    commands = [decode_command(raw) for _, _, raw in RunBag(bag).raw(topics.COMMAND.name)]
+    commands = [registry.COMMAND.decode(raw) for _, _, raw in RunBag(bag).raw(registry.COMMAND.name)]
     assert {command.speed for command in commands} <= {
         0.0,
         *(200.0 + n for n in range(7)),
@@ -266,7 +265,7 @@ def test_what_does_not_come_and_what_is_not_there(lab: Rig) -> None:
 def test_a_death_is_told_at_once() -> None:
     with Rig() as rig:
         rig.wait_for('pendulum/motion')
-        pids = [rig._nodes[role].pid for role in topics.ROLES]
+        pids = [rig._nodes[role].pid for role in registry.ROLE_NAMES]
         rig._nodes['stopwatch'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):
             rig.wait_for('stopwatch/reading', timeout=600)

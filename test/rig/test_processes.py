@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 import rclpy
+from kapitsa_ros.network.topics import RECORDED, ROLE_NAMES, WRITTEN
 from rclpy.context import Context
 from rclpy.node import Node
 
-from kapitsa_ros.network.topics import RECORDED, ROLES, WRITTEN
 from kapitsa_ros.physics.plant import load_preset
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
@@ -44,7 +44,7 @@ def carry_out(nodes: NodeGroup) -> None:
     """Wait until the session is over."""
     deadline = time.monotonic() + PATIENCE
     while not nodes.wait(1.0):
-        assert time.monotonic() < deadline, f'{[r for r in ROLES if nodes[r].status() is None]} still run'
+        assert time.monotonic() < deadline, f'{[r for r in ROLE_NAMES if nodes[r].status() is None]} still run'
 
 
 def eventually(true: Callable[[], bool]) -> None:
@@ -70,16 +70,16 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMon
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
     spectator = Node('spectator', context=context)
-    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain):
+    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path, rate=1.0)), domain):
         try:
             observer.wait_for_progress(PATIENCE)
-            eventually(lambda: set(ROLES) <= set(spectator.get_node_names()))
+            eventually(lambda: set(ROLE_NAMES) <= set(spectator.get_node_names()))
             seen = dict(spectator.get_topic_names_and_types())
             for topic in (*RECORDED, WRITTEN):
                 assert seen[f'/{topic.name}'] == [topic.type]
                 assert [end.node_name for end in spectator.get_publishers_info_by_topic(topic.name)] == [topic.writer]
                 readers = {end.node_name for end in spectator.get_subscriptions_info_by_topic(topic.name)}
-                assert set(topic.readers) & set(ROLES) <= readers
+                assert set(topic.readers) & set(ROLE_NAMES) <= readers
             for topic, kind in (('/joint_states', 'sensor_msgs/msg/JointState'), ('/clock', 'rosgraph_msgs/msg/Clock')):
                 assert seen[topic] == [kind]
         finally:  # before the others leave: see nodes/departure.py
@@ -88,14 +88,14 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMon
 
 
 def test_dds_uses_loopback_alone(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
-    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         inodes = set()
-        for role in ROLES:
+        for role in ROLE_NAMES:
             for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir():
                 with suppress(FileNotFoundError):  # closed since
                     inodes.add(str(link.readlink()).removeprefix('socket:[').removesuffix(']'))
-        mapped = [Path(f'/proc/{nodes[role].pid}/maps').read_text() for role in ROLES]
+        mapped = [Path(f'/proc/{nodes[role].pid}/maps').read_text() for role in ROLE_NAMES]
         rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
         bound = [row[1].split(':') for row in rows if row[9] in inodes]
     first = 7400 + 250 * domain  # RTPS specification, 9.6.1.1
@@ -106,7 +106,7 @@ def test_dds_uses_loopback_alone(domain: int, observer: SessionMonitor, tmp_path
 
 
 def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorded, tmp_path: Path, domain: int) -> None:
-    order = list(ROLES)
+    order = list(ROLE_NAMES)
     random.Random(1997).shuffle(order)
     environment = node_environment(domain)
     processes = []
@@ -162,7 +162,7 @@ sys.exit(main(['recorder', *sys.argv[1:]]))
 
 
 def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp_path: Path, domain: int) -> None:
-    others = [role for role in ROLES if role != 'recorder']
+    others = [role for role in ROLE_NAMES if role != 'recorder']
     command = [sys.executable, '-c', SLOW_RECORDER, '--ros-args', '-p', f'bags:={tmp_path / "A"}']
     with NodeGroup(others, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
         slow = subprocess.Popen(command, env=node_environment(domain))
@@ -178,7 +178,7 @@ def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp
 def test_a_recorder_stopped_for_a_while_loses_nothing(
     recorded: Recorded, tmp_path: Path, domain: int, observer: SessionMonitor
 ) -> None:
-    with NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         nodes['recorder'].end(signal.SIGSTOP)
         assert not nodes.wait(5.0), 'the session ended without its recorder'
@@ -208,7 +208,7 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     echo = subprocess.Popen([sys.executable, '-c', ECHO], env=node_environment(domain), stdout=subprocess.PIPE)
     assert echo.stdout is not None
     try:
-        with NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+        with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
             assert b'They know each other' in echo.stdout.readline()
             assert echo.stdout.read(10) == 10 * b'.'
             echo.send_signal(signal.SIGSTOP)
@@ -225,7 +225,7 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
-@pytest.mark.parametrize('role', ROLES)
+@pytest.mark.parametrize('role', ROLE_NAMES)
 def test_a_node_that_is_killed_ends_the_experiment(
     role: str, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
 ) -> None:
@@ -239,7 +239,7 @@ def test_a_node_that_is_killed_ends_the_experiment(
         assert next(line for line in process.stderr if 'run 1 of 3' in line)
         nodes = {role_of(pid): pid for pid in children(process.pid)}
         shared = shared_memory_of(nodes.values())
-        assert len(shared) == len(ROLES)
+        assert len(shared) == len(ROLE_NAMES)
         os.kill(nodes[role], signal.SIGKILL)
         out, err = process.communicate(timeout=30)
     finally:
@@ -295,7 +295,7 @@ def test_nothing_outlives_a_rig_that_is_killed(tmp_path: Path) -> None:
     assert process.stderr is not None
     assert next(line for line in process.stderr if 'run 1 of 3' in line)
     nodes = [os.pidfd_open(pid) for pid in children(process.pid)]
-    assert len(nodes) == len(ROLES)
+    assert len(nodes) == len(ROLE_NAMES)
     process.kill()
     process.communicate()
     for node in nodes:
@@ -312,7 +312,7 @@ def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_
 
 def test_a_second_node_of_a_role_is_refused(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
     """Both of two rigs started by hand in one domain see it; the one that runs goes on."""
-    with NodeGroup(ROLES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
+    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         with (
             NodeGroup(['pendulum'], parameters(setup_of(tmp_path)), domain) as second,
@@ -321,13 +321,13 @@ def test_a_second_node_of_a_role_is_refused(domain: int, observer: SessionMonito
             carry_out(second)
         before = observer.progress
         assert observer.wait_for_progress(PATIENCE) != before
-        assert all(nodes[role].status() is None for role in ROLES)
+        assert all(nodes[role].status() is None for role in ROLE_NAMES)
 
 
 def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:
     (tmp_path / 'A').write_text('a file where a folder should be')
     with (
-        NodeGroup(ROLES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
+        NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
         pytest.raises(RigError, match=r'recorder .*cannot write'),
     ):
         carry_out(nodes)

@@ -24,11 +24,11 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from kapitsa_ros.instruments.strobe import StrobeReading
+from kapitsa_ros.network import registry
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
-from kapitsa_ros.network.messages import decode_samples, encode_command, encode_strobe
+from kapitsa_ros.network.registry import MOTION, PIVOT, RECORDED
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.network.topics import MOTION, PIVOT, RECORDED
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.protocol import load_protocol
 from kapitsa_ros.physics.plant import Plant, load_preset
@@ -110,7 +110,7 @@ def recorded_states(*bags: Path) -> dict[int, tuple[list[float], list[float]]]:
         for start, messages in sorted(steps.items()):
             if any(read_step_id(raw).end for raw in messages.values()):
                 continue
-            pair = [decode_samples(messages[name]) for name in (PIVOT.name, MOTION.name)]
+            pair = [registry.PIVOT.decode(messages[name]) for name in (PIVOT.name, MOTION.name)]
             for index in range(pair[0].position.size):
                 stamp = start + index * round(pair[0].period * SECOND)
                 state = [[float(getattr(one, name)[index]) for one in pair] for name in ('position', 'rate')]
@@ -337,8 +337,10 @@ def series() -> set[str]:
     kind = 'sensor_msgs/msg/JointState'
     step_id = StepId(1, 0)
     messages = {
-        '/operator/command': store.deserialize_cdr(encode_command(0, step_id, Command(200.0, 0.1)), kind),
-        '/strobe/reading': store.deserialize_cdr(encode_strobe(0, step_id, StrobeReading(time=0.0, speed=200.0)), kind),
+        '/operator/command': store.deserialize_cdr(registry.COMMAND.encode(0, step_id, Command(200.0, 0.1)), kind),
+        '/strobe/reading': store.deserialize_cdr(
+            registry.STROBE_READING.encode(0, step_id, StrobeReading(time=0.0, speed=200.0)), kind
+        ),
         '/joint_states': JointState(name=JOINTS, position=[0.0, 0.0], velocity=[0.0, 0.0]),
     }
     names = {

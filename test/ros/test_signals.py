@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from kapitsa_ros.network.topics import ROLE_NAMES
 
-from kapitsa_ros.network.topics import ROLES
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
@@ -36,7 +36,7 @@ def has_begun(pid: int) -> bool:
 def leaving_nothing(pid: int, shared_memory_of: Callable[..., set[Path]]) -> Iterator[None]:
     """Within, a rig is stopped: on the way out its nodes must have ended and their shared memory must be gone."""
     nodes = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
-    assert len(nodes) == len(ROLES)
+    assert len(nodes) == len(ROLE_NAMES)
     watches = [os.pidfd_open(int(node)) for node in nodes]
     shared = shared_memory_of([pid, *map(int, nodes)])
     assert shared
@@ -55,13 +55,13 @@ def has_ended(watch: int) -> bool:
 def test_a_signal_ends_every_node_of_a_run_with_status_0(
     number: signal.Signals, domain: int, observer: SessionMonitor, tmp_path: Path
 ) -> None:
-    with NodeGroup(ROLES, parameters(Setup(bags=tmp_path, rate=1.0)), domain) as nodes:
+    with NodeGroup(ROLE_NAMES, parameters(Setup(bags=tmp_path, rate=1.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
-        for role in ROLES:
+        for role in ROLE_NAMES:
             nodes[role].end(number)
-        assert all(has_ended(nodes[role].pidfd) for role in ROLES)
-        assert [nodes[role].status() for role in ROLES] == [0] * len(ROLES)
-        assert not [words for role in ROLES if 'Traceback' in (words := nodes[role].last_error_lines())]
+        assert all(has_ended(nodes[role].pidfd) for role in ROLE_NAMES)
+        assert [nodes[role].status() for role in ROLE_NAMES] == [0] * len(ROLE_NAMES)
+        assert not [words for role in ROLE_NAMES if 'Traceback' in (words := nodes[role].last_error_lines())]
 
 
 @pytest.mark.parametrize('number', SIGNALS)
@@ -72,7 +72,7 @@ def test_a_signal_ends_a_node_that_is_not_ready_yet(number: signal.Signals, doma
             [sys.executable, '-m', 'kapitsa_ros.nodes', role],
             env=node_environment(domain), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
         )
-        for role in ROLES
+        for role in ROLE_NAMES
     ]  # fmt: skip
     try:
         for moment, node in enumerate(nodes):
@@ -86,7 +86,7 @@ def test_a_signal_ends_a_node_that_is_not_ready_yet(number: signal.Signals, doma
             node.kill()
             node.wait()
     assert not [words for words in said if 'Traceback' in words]
-    assert [node.returncode for node in nodes] == [0] * len(ROLES)
+    assert [node.returncode for node in nodes] == [0] * len(ROLE_NAMES)
 
 
 FULL_DISK = """

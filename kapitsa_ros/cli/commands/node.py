@@ -7,12 +7,12 @@ import sys
 
 import click
 
-from kapitsa_ros.network.topics import ROLES
+from kapitsa_ros.network.registry import NODE_NAMES
 from kapitsa_ros.rig.environment import on_loopback
 
 
 @click.command(context_settings={'ignore_unknown_options': True, 'allow_interspersed_args': False})
-@click.argument('name', type=click.Choice([*ROLES, 'player']))
+@click.argument('name', type=click.Choice(NODE_NAMES))
 @click.argument('arguments', nargs=-1, type=click.UNPROCESSED)
 def node(*, name: str, arguments: tuple[str, ...]) -> None:
     """Run one node, as `ros2 run kapitsa_ros NAME` does; ARGUMENTS may hold --ros-args.

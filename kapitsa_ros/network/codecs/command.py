@@ -1,0 +1,58 @@
+"""Commands of the operator."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.codec import Codec
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.typestore import deserialise, new_header, serialise
+from kapitsa_ros.operator.command import Command
+
+if TYPE_CHECKING:
+    from typing import Any
+
+_SHAFT, _PENDULUM = 'shaft', 'pendulum'
+
+
+class CommandCodec(Codec[Command]):
+    """sensor_msgs/JointState: `velocity` of `shaft`; `position` of `pendulum` while it is held."""
+
+    message_type = 'sensor_msgs/msg/JointState'
+    empty_body = bytes(16)
+
+    def encode(self, stamp_ns: int, step_id: StepId, value: Command) -> bytes:
+        """Encode what is wanted; the end of a run is silent."""
+        if value.end:
+            return self.encode_silence(stamp_ns, StepId(step_id.run, step_id.step, end=True))
+        names, position, velocity = [_SHAFT], [0.0], [value.speed]
+        if value.hold is not None:
+            names, position, velocity = [_SHAFT, _PENDULUM], [0.0, value.hold], [value.speed, 0.0]
+        arrays = (np.array(position), np.array(velocity), np.array([]))
+        return serialise(self.message_type, new_header(stamp_ns, step_id), names, *arrays)
+
+    def decode(self, raw: bytes) -> Command:
+        """Decode what is wanted.
+
+        Raises
+        ------
+        WireError
+            The message does not name the shaft, its arrays have other sizes, or a number is not finite.
+
+        """
+        if read_step_id(raw).end:
+            return Command(0.0, None, end=True)
+        message: Any = deserialise(self.message_type, raw)
+        if message.name not in ([_SHAFT], [_SHAFT, _PENDULUM]):
+            raise WireError(f'a command names shaft, then pendulum where it is held; this one names {message.name}')
+        held = len(message.name) == 2
+        if len(message.velocity) != len(message.name) or (held and len(message.position) != 2):
+            raise WireError('a command has a velocity for each name, and positions where the pendulum is held')
+        values = [*message.velocity, *message.position]
+        if not np.isfinite(values).all():
+            raise WireError('a command is not finite')
+        return Command(float(message.velocity[0]), float(message.position[1]) if held else None)

@@ -1,0 +1,25 @@
+"""A role in the graph: what a node reads and writes, whoever plays it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kapitsa_ros.network.topic import Topic
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Role:
+    """A node of the graph, by the name of its executable."""
+
+    name: str
+    reads: tuple[Topic[Any], ...] = ()
+    """Numbered topics; the first that is not followed gives the stamp of a step."""
+    writes: tuple[Topic[Any], ...] = ()
+    follows: tuple[Topic[Any], ...] = ()
+    """Those of `reads` whose writer may run ahead of the end of a run; see `StepSynchronizer`."""
+    describes_run: bool = False
+    """Whether its settings belong to a run: they are latched, recorded, and needed to analyse it."""
+    optional: bool = False
+    """Whether a run is whole without it: nobody waits for it unless told to, and bags without it are read."""
