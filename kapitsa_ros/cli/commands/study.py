@@ -9,7 +9,7 @@ import click
 
 from kapitsa_ros.cli.options import ANGLE, SPEED, json_option, plant_options, print_json
 from kapitsa_ros.physics.release import Release
-from kapitsa_ros.physics.solver_comparison import compare_solvers as follow
+from kapitsa_ros.physics.solver_comparison import compare_solvers
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -27,28 +27,28 @@ if TYPE_CHECKING:
     '--cycles', type=click.IntRange(100), default=1_000_000, show_default=True, help='forcing cycles with ours'
 )
 @json_option
-def compare_solvers(plant: Plant, speed: float, release: float, duration: float, cycles: int, *, as_json: bool) -> None:
+def study(plant: Plant, speed: float, release: float, duration: float, cycles: int, *, as_json: bool) -> None:
     """Integrate the frictionless pendulum with the solvers people use and show the growth of its slow amplitude."""
     run = Release(plant=plant, speed=speed, angle=release)
-    verdicts = []
+    results = []
     click.echo(
         f'A frictionless rod at {speed / RPM:.0f} RPM, released at {release:g} rad, as solvers see it\n'
         f'{"solver":26} {"followed":>9} {"growth 1/s":>11} {"amplitude":>11} {"fell at":>9} {"CPU s":>7}',
         err=as_json,
     )
-    for verdict in follow(run, duration=duration, cycles=cycles):
-        verdicts.append(asdict(verdict))
-        fell = '-' if verdict.fell_at is None else f'{verdict.fell_at:.0f} s'
+    for result in compare_solvers(run, duration=duration, cycles=cycles):
+        results.append(asdict(result))
+        fell = '-' if result.fell_at is None else f'{result.fell_at:.0f} s'
         click.echo(
-            f'{verdict.solver:26} {verdict.duration:7.0f} s {verdict.growth:11.2e} × {verdict.amplitude_ratio:9.5f} '
-            f'{fell:>9} {verdict.cpu:7.2f}',
+            f'{result.solver:26} {result.duration:7.0f} s {result.growth:11.2e} × {result.amplitude_ratio:9.5f} '
+            f'{fell:>9} {result.cpu:7.2f}',
             err=as_json,
         )
-    rates = [verdict['growth'] for verdict in verdicts]
+    rates = [result['growth'] for result in results]
     click.echo(
         f'The growth runs from {min(rates):.1e} to {max(rates):.1e} 1/s with the solver. Ours over {cycles} cycles: '
         f"{rates[-1]:.0e} 1/s.\nA growth that depends on the solver is not the rod's.",
         err=as_json,
     )
     if as_json:
-        print_json({'verdicts': verdicts})
+        print_json({'results': results})
