@@ -12,9 +12,12 @@ HISTORY = ('CHANGELOG.rst', 'docs/adr/')
 """Where old names may stand."""
 
 OLD_MODULES = {
-    'bending', 'critical', 'dark_error', 'delay', 'departure', 'description', 'desk', 'ensemble', 'eye', 'film', 'guide',
-    'hands', 'join', 'ladder', 'launched', 'many', 'marks', 'offline', 'peers', 'pivot', 'preparation',
-    'procedure', 'roster', 'samples', 'screen', 'segments', 'shaft', 'share', 'slow', 'slow_motion', 'spectator', 'stage',
+    'bending', 'critical', 'dark_error', 'delay', 'departure', 'description', 'desk', 'ensemble', 'eye', 'film',
+    'guide',
+    'hands',
+    'join', 'ladder', 'launched', 'many', 'marks', 'offline', 'peers', 'pivot', 'preparation',
+    'procedure', 'roster', 'samples', 'screen', 'segments', 'shaft', 'share', 'slow', 'slow_motion', 'spectator',
+    'stage',
     'stepping', 'steps', 'thumb', 'view', 'virtual', 'wire', 'pencil', 'laps', 'simulation',
 }  # fmt: skip
 OLD_CLASSES = {
@@ -24,7 +27,8 @@ OLD_CLASSES = {
     'SteadyShaft', 'Thumb', 'Tick', 'Verdict', 'VirtualExperiment', 'Line',
 }  # fmt: skip
 OLD_FUNCTIONS = {
-    'bend', 'dark_error', 'draw_thumb', 'exit_within', 'inverse', 'ladder', 'lap_period', 'no_dead_segments', 'ordinary',
+    'bend', 'dark_error', 'draw_thumb', 'exit_within', 'inverse', 'ladder', 'lap_period', 'no_dead_segments',
+    'ordinary',
     'read_tick', 'release_many', 'remove_dead_segments', 'share_path', 'unmask', '_reluctance', '_grip', 'crew', 'mine',
     'hear', 'hear_refusal', 'hear_death', 'fill_rhythm',
 }  # fmt: skip

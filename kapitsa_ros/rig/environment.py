@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -11,25 +12,40 @@ from kapitsa_ros.resources import resource_path
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-RIG_PID = 'KAPITSA_RIG_PID'
-"""A node whose parent is no longer this process ends: nothing outlives its rig."""
-
 
 def node_environment(domain: int) -> dict[str, str]:
     """Return the environment for a node of a rig in a domain."""
-    return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain), RIG_PID: str(os.getpid())}
+    return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain)}
+
+
+_lock = threading.Lock()
+_added: dict[str, str] = {}
+"""What the contexts under way have put into the environment of this process."""
+_contexts = 0
 
 
 @contextmanager
 def on_loopback() -> Iterator[None]:
-    """Let a participant that this process makes in the context keep to the interfaces of the nodes."""
-    added = loopback()
-    os.environ.update(added)
+    """Let a participant that this process makes in the context keep to the interfaces of the nodes.
+
+    DDS takes them from the environment of the process, which all threads share: contexts may overlap, and the last one
+    to be left takes out what the first has put in.
+    """
+    global _contexts  # noqa: PLW0603  # as the environment is
+    with _lock:
+        if not _contexts:
+            _added.update(loopback())
+            os.environ.update(_added)
+        _contexts += 1
     try:
         yield
     finally:
-        for name in added:
-            del os.environ[name]
+        with _lock:
+            _contexts -= 1
+            if not _contexts:
+                for name in _added:
+                    os.environ.pop(name, None)
+                _added.clear()
 
 
 def loopback() -> dict[str, str]:

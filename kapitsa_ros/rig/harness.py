@@ -271,6 +271,7 @@ class Rig:
         ended = False
         while True:
             self._client.clear_news()
+            self._client.check()
             value = found()
             if value is not None:
                 return value

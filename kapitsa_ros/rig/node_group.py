@@ -93,7 +93,7 @@ class NodeGroup:
         """
         running = [process.pidfd for process in self._processes if process.status() is None]
         if running:
-            select.select([*running, *news], [], [], timeout)
+            _wait_until_readable([*running, *news], timeout)
         return self.check()
 
     def stop(self, grace: float) -> None:
@@ -103,8 +103,16 @@ class NodeGroup:
                 process.end(number)
         deadline = time.monotonic() + grace
         for process in self._processes:
-            select.select([process.pidfd], [], [], max(0.0, deadline - time.monotonic()))
+            _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
             process.end(signal.SIGKILL)
         for process in self._processes:
             process.close()
         self._processes.clear()
+
+
+def _wait_until_readable(descriptors: Sequence[int], timeout: float) -> None:
+    """Wait until one of these file descriptors can be read, or for so many seconds."""
+    poll = select.poll()  # `select.select` takes no descriptor above 1023
+    for descriptor in descriptors:
+        poll.register(descriptor, select.POLLIN)
+    poll.poll(1000 * timeout)

@@ -10,6 +10,7 @@ from collections import deque
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.rig.environment import node_environment
+from kapitsa_ros.ros.arguments import PARENT_OPTION
 
 if TYPE_CHECKING:
     import signal
@@ -36,7 +37,8 @@ class NodeProcess:
         self.role = role
         self._lines: deque[str] = deque(maxlen=LAST_LINES)
         self._news = threading.Condition()
-        command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '--disable-external-lib-logs']
+        command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, PARENT_OPTION, str(os.getpid())]
+        command += ['--ros-args', '--disable-external-lib-logs']
         for name, value in parameters.items():
             command += ['-p', f'{name}:={_yaml(value)}']
         # A session of its own: Ctrl-C reaches the rig, which then ends its nodes in order.

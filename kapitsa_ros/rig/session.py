@@ -83,6 +83,7 @@ def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) ->
             NodeGroup(roles, told | {'expect': [*told['expect'], SESSION_MONITOR.name]}, domain) as nodes,
         ):
             while not nodes.wait(WATCH_PERIOD):
+                seen.check()
                 if not seen.session_over:
                     nodes.refuse_leavers(LEAVING)
             seen.wait_for_end()

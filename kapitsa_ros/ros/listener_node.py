@@ -34,6 +34,7 @@ class ListenerNode:
 
     def __init__(self, name: str, domain: int) -> None:
         self._domain = domain
+        self._failure: Exception | None = None
         self._context = Context()
         rclpy.init(context=self._context, domain_id=domain)
         self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
@@ -57,9 +58,20 @@ class ListenerNode:
         wait_until_quiet(self._domain, PATIENCE)
         self._node.destroy_node()
 
+    def check(self) -> None:
+        """Raise what a callback has raised: after that nothing more is heard."""
+        if self._failure is not None:
+            raise self._failure
+
+    def wake(self) -> None:
+        """Make whoever waits for news look again; called from the listening thread."""
+
     def _spin(self) -> None:
         try:
             while self._context.ok():
                 self._executor.spin_once(timeout_sec=0.2)
         except ExternalShutdownException:
             pass
+        except Exception as error:  # noqa: BLE001  # it is raised where somebody waits
+            self._failure = error
+            self.wake()

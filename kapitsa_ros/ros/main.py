@@ -5,12 +5,14 @@ from __future__ import annotations
 import itertools
 import os
 import sys
+import traceback
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import rclpy
 from rclpy._rclpy_pybind11 import (  # a params file that cannot be parsed has no public type
+    InvalidHandle,
     RCLError,
     UnknownROSArgsError,
 )
@@ -18,10 +20,11 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
 from kapitsa_ros.network.registry import NODE_NAMES
+from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.shutdown import exit_within
+from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 
 if TYPE_CHECKING:
@@ -39,50 +42,60 @@ def main(arguments: list[str] | None = None) -> int:
     if not arguments or arguments[0] not in NODE_NAMES:
         given = repr(arguments[0]) if arguments else 'none'
         print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
-        return 2
+        return WRONG_INPUT
+    arguments, parent = split_parent(arguments)
     role = arguments[0]
     module = import_module(f'kapitsa_ros.nodes.{role}')
-    if {'-h', '--help'} & set(_beside_ros(arguments)):
+    if {'-h', '--help'} & set(beside_ros(arguments)):
         print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
         return 0
-    status, node = 1, None
+    status, node, watchdog = FAILED, None, None
     try:
         _start(arguments)
         node = _create(module.create)
-        _spin(node)
+        try:
+            _spin(node, parent)
+        finally:
+            node.close()
         status = 0
-    except SettingError as error:
-        status = _complain(role, error, 2)
-    except (KapitsaError, ValueError, OSError) as error:
+    except (KapitsaError, OSError) as error:
+        status = getattr(error, 'exit_status', FAILED)
         if node is not None:
             node.fail(error)
-        status = _complain(role, error, 1)
-    except (ExternalShutdownException, NotInitializedException, RuntimeError):
+        print(f'{role}: error: {error}', file=sys.stderr, flush=True)
+    except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
-        if rclpy.ok():
-            raise
-        status = 0
+        if _is_of_rclpy(error) and not rclpy.ok():
+            status = 0
+        else:
+            if node is not None:
+                node.fail(error)
+            traceback.print_exc()
     finally:
         hold_signals_back()
         if node is not None:
-            _take_down(node, status)
+            watchdog = ShutdownWatchdog(PATIENCE, status)
+            node.destroy_node()
         rclpy.try_shutdown()
+        if watchdog is not None:
+            watchdog.disarm()
         ignore_signals()
     return status
 
 
-def _complain(role: str, error: Exception, status: int) -> int:
-    print(f'{role}: error: {error}', file=sys.stderr, flush=True)
-    return status
-
-
-def _beside_ros(arguments: list[str]) -> list[str]:
-    return arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
+def _is_of_rclpy(error: Exception) -> bool:
+    """Whether an error was raised by rclpy, in Python or below it."""
+    if isinstance(error, ExternalShutdownException | NotInitializedException | RCLError | InvalidHandle):
+        return True
+    frame = error.__traceback__
+    while frame is not None and frame.tb_next is not None:
+        frame = frame.tb_next
+    return frame is not None and str(frame.tb_frame.f_globals.get('__name__')).startswith('rclpy')
 
 
 def _start(arguments: list[str]) -> None:
     """Hand the ROS arguments over; what rcl cannot parse is named in one line, and not in its own ten."""
-    if own := _beside_ros(arguments):
+    if own := beside_ros(arguments):
         raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
     for option, value in itertools.pairwise(arguments):
         if option == '--params-file' and not Path(value).is_file():
@@ -92,7 +105,6 @@ def _start(arguments: list[str]) -> None:
         rclpy.init(args=arguments)
     except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
-    let_signals_through()
 
 
 def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
@@ -105,29 +117,20 @@ def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
         raise SettingError(f'no node can be made, ROS_DOMAIN_ID is {domain}: {str(error).splitlines()[0]}') from error
     # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
+    # Not before: a signal would shut the context between a line on stderr and the same line on rosout.
+    let_signals_through()
     return node
 
 
-def _spin(node: DataflowNode) -> None:
+def _spin(node: DataflowNode, parent: int | None) -> None:
     executor = EventsExecutor()
     executor.add_node(node)
     try:
         # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
-        while not node.finished and rclpy.ok() and _rig_is_there():
+        while not node.finished and rclpy.ok() and parent in (None, os.getppid()):
             executor.spin_once(timeout_sec=node.poll())
     finally:
-        try:
-            node.close()
-        finally:
-            executor.shutdown()
-
-
-def _take_down(node: DataflowNode, status: int) -> None:
-    """Let go of the node: DDS tells the others, and may hang after that."""
-    exit_within(PATIENCE, status)
-    node.destroy_node()
-
-
-def _rig_is_there() -> bool:
-    """Whether the process that started this one as part of a rig, if one did, still runs."""
-    return os.environ.get('KAPITSA_RIG_PID', str(os.getppid())) == str(os.getppid())
+        executor.remove_node(node)
+        executor.shutdown()
+        # The traceback of an exception would keep it alive until the context is gone, and then its destructor aborts.
+        del executor

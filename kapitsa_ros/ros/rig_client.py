@@ -155,10 +155,11 @@ class RigClient(ListenerNode):
         return self._telling(self._parameters.call_async(SetParameters.Request(parameters=wanted)))
 
     def _telling(self, future: Future) -> Future:
-        future.add_done_callback(lambda _: self._tell())
+        future.add_done_callback(lambda _: self.wake())
         return future
 
-    def _tell(self) -> None:
+    def wake(self) -> None:
+        """Make `news` readable."""
         os.eventfd_write(self.news, 1)
 
     def _taker(self, topic: Topic[Any]) -> Callable[[bytes], None]:
@@ -174,6 +175,6 @@ class RigClient(ListenerNode):
                     self._newest[topic.name] = message
                     unread.append(message)
                 self.seen[topic.name] = message.step_id
-            self._tell()
+            self.wake()
 
         return take

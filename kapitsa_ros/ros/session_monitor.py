@@ -58,7 +58,9 @@ class SessionMonitor(ListenerNode):
 
         """
         with self._news:
-            if not self._news.wait_for(lambda: self.session_over and self._ended, timeout):
+            came = self._news.wait_for(lambda: (self.session_over and self._ended) or self._failure, timeout)
+            self.check()
+            if not came:
                 raise TimeoutError('the rig did not say that the session is over')
 
     @property
@@ -77,9 +79,16 @@ class SessionMonitor(ListenerNode):
         """
         with self._news:
             known = self.progress
-            if not self._news.wait_for(lambda: self.progress is not known, timeout):
+            came = self._news.wait_for(lambda: self.progress is not known or self._failure, timeout)
+            self.check()
+            if not came:
                 raise TimeoutError(f'no progress within {timeout} s')
             return self.progress
+
+    def wake(self) -> None:
+        """Make whoever waits look again."""
+        with self._news:
+            self._news.notify_all()
 
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:

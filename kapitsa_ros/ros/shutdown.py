@@ -37,8 +37,8 @@ class _Alarm(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_long) for name in ('every_s', 'every_ns', 'after_s', 'after_ns'))
 
 
-def exit_within(seconds: float, status: int) -> None:
-    """End this process with a status when some time has gone by, even if it hangs in C with Python's lock held.
+class ShutdownWatchdog:
+    """Ends this process when some time has gone by, even if it hangs in C with Python's lock held.
 
     Parameters
     ----------
@@ -53,15 +53,21 @@ def exit_within(seconds: float, status: int) -> None:
         The system has no timer left.
 
     """
-    libc = ctypes.CDLL(None, use_errno=True)
-    function = ctypes.cast(libc._exit, ctypes.c_void_p)  # noqa: SLF001  # its name in C
-    event = _Event(value=status, notify=_SIGEV_THREAD, function=function)
-    timer = ctypes.c_void_p()
-    alarm = _Alarm(after_s=int(seconds), after_ns=int(seconds % 1 * 1e9))
-    if libc.timer_create(_CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or libc.timer_settime(
-        timer, 0, ctypes.byref(alarm), None
-    ):
-        raise OSError(ctypes.get_errno(), 'no timer')
+
+    def __init__(self, seconds: float, status: int) -> None:
+        self._libc = ctypes.CDLL(None, use_errno=True)
+        function = ctypes.cast(self._libc._exit, ctypes.c_void_p)  # noqa: SLF001  # its name in C
+        event = _Event(value=status, notify=_SIGEV_THREAD, function=function)
+        self._timer = ctypes.c_void_p()
+        alarm = _Alarm(after_s=int(seconds), after_ns=int(seconds % 1 * 1e9))
+        if self._libc.timer_create(
+            _CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(self._timer)
+        ) or self._libc.timer_settime(self._timer, 0, ctypes.byref(alarm), None):
+            raise OSError(ctypes.get_errno(), 'no timer')
+
+    def disarm(self) -> None:
+        """Let the process live on: what could have hung has come back."""
+        self._libc.timer_delete(self._timer)
 
 
 def wait_until_quiet(domain: int, patience: float) -> None:

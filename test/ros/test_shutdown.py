@@ -1,4 +1,4 @@
-"""A node leaves also where DDS hangs, and a spectator not while others do."""
+"""A node leaves also where DDS hangs, and a listener not while others do."""
 
 import subprocess
 import sys
@@ -8,8 +8,8 @@ import pytest
 from kapitsa_ros.ros.shutdown import listeners
 
 HANGS = """
-from kapitsa_ros.ros.shutdown import exit_within
-exit_within(0.2, {status})
+from kapitsa_ros.ros.shutdown import ShutdownWatchdog
+ShutdownWatchdog(0.2, {status})
 sum(iter(int, 1))  # for ever, in C and with the interpreter's lock
 """
 

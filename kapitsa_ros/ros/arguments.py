@@ -1,0 +1,18 @@
+"""The arguments of a node's process: ROLE [--parent-pid PID] [--ros-args ...]."""
+
+from __future__ import annotations
+
+PARENT_OPTION = '--parent-pid'
+"""A node whose parent is no longer this process ends: nothing outlives its rig."""
+
+
+def split_parent(arguments: list[str]) -> tuple[list[str], int | None]:
+    """Return the arguments without the parent's process id, and that; only what starts a node itself can give it."""
+    if arguments[1:2] == [PARENT_OPTION] and len(arguments) > 2 and arguments[2].isdecimal():
+        return [arguments[0], *arguments[3:]], int(arguments[2])
+    return arguments, None
+
+
+def beside_ros(arguments: list[str]) -> list[str]:
+    """Return what stands between the role and the ROS arguments."""
+    return arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]

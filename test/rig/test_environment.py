@@ -1,0 +1,41 @@
+"""What the participants of this process and of the nodes are told about the network."""
+
+import os
+from threading import Barrier, Thread
+
+from kapitsa_ros.rig.environment import on_loopback
+
+RANGE, PROFILE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'FASTRTPS_DEFAULT_PROFILES_FILE'
+
+
+def test_a_context_that_overlaps_another_keeps_to_loopback_until_it_is_left(monkeypatch) -> None:
+    monkeypatch.delenv(RANGE)
+    monkeypatch.delenv(PROFILE, raising=False)
+    first, second = on_loopback(), on_loopback()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert os.environ[RANGE] == 'LOCALHOST'
+    assert os.environ[PROFILE].endswith('loopback.xml')
+    second.__exit__(None, None, None)
+    assert RANGE not in os.environ
+    assert PROFILE not in os.environ
+
+
+def test_threads_that_enter_at_once_all_keep_to_loopback(monkeypatch) -> None:
+    monkeypatch.delenv(RANGE)
+    together, seen = Barrier(8), []
+
+    def work() -> None:
+        for _ in range(50):
+            together.wait()
+            with on_loopback():
+                seen.append(os.environ.get(RANGE))
+
+    threads = [Thread(target=work) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert seen == ['LOCALHOST'] * 400
+    assert RANGE not in os.environ

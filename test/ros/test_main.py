@@ -1,0 +1,145 @@
+"""A node as a process: what it says and how it ends, whoever has started it."""
+
+import os
+import select
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+from kapitsa_ros.rig.environment import node_environment
+from kapitsa_ros.rig.node_process import NodeProcess
+
+PATIENCE = 30.0
+
+
+def script(text: str) -> list[str]:
+    return [sys.executable, '-c', text]
+
+
+def interrupt_once_joined(node: subprocess.Popen[str]) -> None:
+    assert node.stderr is not None
+    assert next(line for line in node.stderr if 'joins domain' in line)
+    node.send_signal(signal.SIGINT)
+
+
+HOST = """
+import sys, threading
+from kapitsa_ros.ros.main import main
+status = main(['pendulum'])
+threading.Event().wait(2.0)  # the watchdog of the node would have struck by now
+print('alive', status, flush=True)
+"""
+
+
+def test_the_program_that_ran_a_node_lives_on(domain: int) -> None:
+    host = subprocess.Popen(
+        script(HOST), env=node_environment(domain), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    interrupt_once_joined(host)
+    out, err = host.communicate(timeout=PATIENCE)
+    assert out == 'alive 0\n', err
+    assert host.returncode == 0
+
+
+BUG = """
+import sys
+import kapitsa_ros.nodes.pendulum as pendulum
+from kapitsa_ros.ros.main import main
+
+class Broken(pendulum.PendulumNode):
+    def poll(self):
+        raise {error}
+
+pendulum.create = Broken
+sys.exit(main(['pendulum']))
+"""
+
+
+def run(text: str, domain: int) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        script(text), env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+def test_a_bug_is_shown_with_its_traceback_and_a_mistake_of_the_user_in_one_line(domain: int) -> None:
+    bug = run(BUG.format(error="ValueError('shapes')"), domain)
+    assert bug.returncode == 1
+    assert 'Traceback (most recent call last)' in bug.stderr
+    assert bug.stderr.rstrip().endswith('ValueError: shapes')
+
+    mistake = run('from kapitsa_ros.ros.errors import NodeError\n' + BUG.format(error="NodeError('no')"), domain)
+    assert mistake.returncode == 1
+    assert 'Traceback' not in mistake.stderr
+    assert mistake.stderr.rstrip().endswith('pendulum: error: no')
+
+
+AFTER_A_SIGNAL = """
+import sys
+import rclpy
+import kapitsa_ros.nodes.pendulum as pendulum
+from kapitsa_ros.ros.main import main
+
+class Broken(pendulum.PendulumNode):
+    def close(self):
+        raise RuntimeError('a bug on the way out')
+
+pendulum.create = Broken
+sys.exit(main(['pendulum']))
+"""
+
+
+def test_a_bug_after_a_signal_is_no_success(domain: int) -> None:
+    node = subprocess.Popen(script(AFTER_A_SIGNAL), env=node_environment(domain), stderr=subprocess.PIPE, text=True)
+    interrupt_once_joined(node)
+    _, err = node.communicate(timeout=PATIENCE)
+    assert 'RuntimeError: a bug on the way out' in err
+    assert node.returncode == 1
+
+
+def test_a_node_started_through_a_shell_of_the_rig_lives_on(domain: int) -> None:
+    """What a rig tells its own nodes does not reach those that somebody starts from its environment."""
+    environment = node_environment(domain)
+    command = f'{sys.executable} -m kapitsa_ros.nodes pendulum; :'
+    shell = subprocess.Popen(['/bin/sh', '-c', command], env=environment, stderr=subprocess.PIPE, text=True)
+    assert shell.stderr is not None
+    assert next(line for line in shell.stderr if 'joins domain' in line)
+    assert next(line for line in shell.stderr if 'waiting for' in line)
+    (node,) = Path(f'/proc/{shell.pid}/task/{shell.pid}/children').read_text().split()
+    os.kill(int(node), signal.SIGINT)
+    shell.communicate(timeout=PATIENCE)
+
+
+ORPHANS = """
+import os, sys
+from kapitsa_ros.rig.node_process import NodeProcess
+node = NodeProcess('pendulum', {{}}, {domain})
+assert node.wait_for_line('joins domain', 30.0)
+print(node.pid, flush=True)
+os._exit(0)
+"""
+
+
+def test_a_node_of_a_rig_that_was_killed_ends(domain: int) -> None:
+    done = subprocess.run(script(ORPHANS.format(domain=domain)), capture_output=True, text=True, timeout=60, check=True)
+    pidfd = None
+    try:
+        pidfd = os.pidfd_open(int(done.stdout))
+    except ProcessLookupError:
+        return
+    try:
+        poll = select.poll()
+        poll.register(pidfd, select.POLLIN)
+        assert poll.poll(PATIENCE * 1000), 'it outlives its rig'
+    finally:
+        os.close(pidfd)
+
+
+def test_what_a_rig_starts_is_known_by_its_role(domain: int) -> None:
+    node = NodeProcess('pendulum', {'length': -1.0}, domain)
+    try:
+        node.close()
+        assert node.status() == 2
+        assert 'parameter length' in node.last_error_lines()
+    finally:
+        node.end(signal.SIGKILL)

@@ -1,0 +1,30 @@
+"""A watcher of the graph says what has gone wrong with it, and not something else."""
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.listener_node import ListenerNode
+from kapitsa_ros.ros.session_monitor import SessionMonitor
+
+
+class Speaker(ListenerNode):
+    """Says once that the jigsaw makes progress, as soon as somebody listens."""
+
+    def __init__(self, domain: int) -> None:
+        super().__init__('jigsaw', domain)
+        self._out = self._node.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._node.create_timer(0.05, self._speak)
+
+    def _speak(self) -> None:
+        self._out.publish(DiagnosticArray(status=[DiagnosticStatus(name='jigsaw: progress')]))
+
+
+def test_an_exception_in_a_callback_reaches_whoever_waits(domain: int) -> None:
+    def break_off(_: dict[str, str]) -> None:
+        raise ZeroDivisionError('in the callback')
+
+    with on_loopback():
+        monitor, speaker = SessionMonitor(domain, break_off), Speaker(domain)
+    with speaker, pytest.raises(ZeroDivisionError, match='in the callback'), monitor:
+        monitor.wait_for_end(timeout=30.0)
