@@ -108,8 +108,8 @@ class SessionMonitor(ListenerNode):
         with self._news:
             for name, values in results.items():
                 if name == 'experiment':
-                    self.experiment = values
+                    self.experiment = dict(values)
                 else:
-                    self.runs.append(values)
+                    self.runs.append(dict(values))
             self._ended = self._ended or ends_session(step_id)
             self._news.notify_all()
