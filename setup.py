@@ -1,5 +1,6 @@
 """Build kapitsa_ros for pip and for colcon alike."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -7,6 +8,12 @@ from setuptools import find_packages, setup
 
 NAME = 'kapitsa_ros'
 SHARE = Path('share') / NAME
+
+
+def version() -> str:
+    """Read the version where it is written; importing the package would need what it depends on."""
+    source = Path(NAME, '__init__.py').read_text(encoding='utf-8')
+    return re.search(r"^__version__ = '(.+)'$", source, re.MULTILINE)[1]
 
 
 def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
@@ -77,14 +84,27 @@ DEVELOPMENT = [
 
 setup(
     name=NAME,
-    version='0.1.0',
+    version=version(),
     description="Kapitsa's inverted pendulum on a jigsaw: the 1997 laboratory as ROS 2 nodes",
     long_description=Path('README.md').read_text(encoding='utf-8'),
     long_description_content_type='text/markdown',
     license='Apache-2.0',
     maintainer='kapitsa_ros developers',
     maintainer_email='kapitsa@example.org',
-    python_requires='>=3.11',
+    keywords=['ROS', 'ROS 2', 'inverted pendulum', 'Kapitza pendulum', 'Mathieu equation', 'parametric excitation'],
+    classifiers=[
+        'Development Status :: 4 - Beta',
+        'Framework :: Pytest',
+        'Intended Audience :: Education',
+        'Intended Audience :: Science/Research',
+        'Operating System :: POSIX :: Linux',
+        'Programming Language :: Python :: 3 :: Only',
+        'Programming Language :: Python :: 3.11',
+        'Programming Language :: Python :: 3.12',
+        'Topic :: Scientific/Engineering :: Physics',
+        'Typing :: Typed',
+    ],
+    python_requires='>=3.11,<3.13',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed']},
     data_files=[
