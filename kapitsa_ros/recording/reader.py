@@ -89,7 +89,8 @@ class RunBag:
             raise BagError(f'{path} {kind}: it has no metadata.yaml')
         try:
             with Reader(path) as reader:
-                self._topics = {connection.topic.removeprefix('/') for connection in reader.connections}
+                self.topics = frozenset(connection.topic.removeprefix('/') for connection in reader.connections)
+                """Names of those recorded."""
                 self.messages = reader.message_count
                 self.first_stamp_ns = reader.start_time
                 self.last_stamp_ns = reader.end_time - 1
@@ -105,7 +106,7 @@ class RunBag:
             raise BagError(f'{path} is empty: the run was never begun')
         needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
         needed += map(settings_topic, described_by(_REQUIRED))
-        missing = [name for name in needed if name not in self._topics]
+        missing = [name for name in needed if name not in self.topics]
         if missing:
             raise BagError(f'{path} is no run of this rig: it lacks {", ".join(missing)}')
 
@@ -214,7 +215,7 @@ class RunBag:
 
     def _steps(self) -> Iterator[Step]:
         """Yield the commands and readings step by step; at the end, the readings' end."""
-        present = [topic for topic in _RUN_TOPICS if topic.name in self._topics]
+        present = [topic for topic in _RUN_TOPICS if topic.name in self.topics]
         pending: dict[StepId, dict[str, bytes]] = {}
         last: StepId | None = None
         for topic, _, raw in self.raw(*(topic.name for topic in present)):
