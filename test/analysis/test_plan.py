@@ -11,6 +11,7 @@ from kapitsa_ros.instruments.perfect_timing import swings_seen
 from kapitsa_ros.laboratory.campaign import perform_all
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.operator.scripted import CATCH
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.units import RPM
@@ -98,3 +99,11 @@ def test_cause_that_is_ruled_out_needs_no_further_measurement():
         best_separation(table, IDEAL, 'inertia_factor', 'ghosts')
     with pytest.raises(AnalysisError, match='name two'):
         best_separation(table, IDEAL, 'inertia_factor', 'inertia_factor')
+
+
+def test_the_time_between_two_timings_is_the_operators():
+    """D20: a timing more costs the plan what it costs the operator."""
+    few = cheapest_plan(IDEAL, OF_1997, 1.0)
+    runs = [sensitivity(IDEAL, speed, 0.12, few.swings) for speed in few.speeds]
+    shaken = sum(few.repeats * (0.75 + few.swings) * run.period for run in runs)
+    assert few.seconds - shaken == pytest.approx(len(runs) * (5.0 + few.repeats * CATCH))
