@@ -42,7 +42,6 @@ CORE = [
     'click>=8.1',
     'numba>=0.59',
     'numpy>=1.26',
-    'pint>=0.22',
     'pyyaml>=6.0',
     'rich>=13.0',
     'ros-ament-index-python>=1.8',

@@ -16,10 +16,10 @@ import numpy as np
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import LineFit, inverse, ordinary
 from kapitsa_ros.analysis.table import Readings
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import perform_all
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.operator.protocol import load_protocol
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.units import RPM

@@ -9,9 +9,9 @@ import argparse
 import json
 from collections import Counter
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.dial_search import raise_until_doubled
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.units import RPM
 
 

@@ -14,6 +14,7 @@ from scipy.integrate import odeint, solve_ivp
 from scipy.interpolate import CubicSpline
 
 from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.physics.pendulum import Pendulum
 
 BLOCKS = 100
@@ -21,7 +22,7 @@ BLOCKS = 100
 
 def main() -> None:
     """Measure and print."""
-    jigsaw = Jigsaw(amplitude=PLANT.amplitude, spin_up=1e9)
+    jigsaw = Jigsaw(amplitude=PLANT.amplitude, parameters=JigsawParameters(spin_up=1e5))
     jigsaw.advance(SPEED, 4 * math.pi / SPEED, 1)
     blocks = [jigsaw.advance(SPEED, 0.1, 100) for _ in range(BLOCKS)]
 

@@ -4,48 +4,102 @@ from __future__ import annotations
 
 import math
 import re
-from functools import cache
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    import pint
+from fractions import Fraction
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
 
-
 _WRITTEN = re.compile(
-    r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>[a-zµ°]+(?:/[a-z]+)?)?\s*',
+    r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>\S.*?)?\s*',
     re.IGNORECASE,
 )
+_INCH = Fraction(254, 10_000)
+_TURN = 2 * math.pi
+_NAMES: dict[str, tuple[tuple[float | Fraction, str], ...]] = {
+    'm': (
+        (Fraction(1), 'm metre metres meter meters'),
+        (Fraction(1, 10), 'dm'),
+        (Fraction(1, 100), 'cm centimetre centimetres centimeter centimeters'),
+        (Fraction(1, 1000), 'mm millimetre millimetres millimeter millimeters'),
+        (Fraction(1, 10**6), 'µm μm um micrometre micrometres micrometer micrometers micron microns'),
+        (Fraction(1000), 'km kilometre kilometres kilometer kilometers'),
+        (_INCH / 1000, 'thou mil'),
+        (_INCH, 'in inch inches'),
+        (12 * _INCH, 'ft foot feet'),
+        (36 * _INCH, 'yd yard yards'),
+    ),
+    'rad': (
+        (Fraction(1), 'rad radian radians'),
+        (Fraction(1, 1000), 'mrad'),
+        (math.pi / 180, 'deg degree degrees °'),
+        (_TURN, 'turn turns rev revolution revolutions'),
+    ),
+    's': (
+        (Fraction(1), 's sec second seconds'),
+        (Fraction(1, 1000), 'ms millisecond milliseconds'),
+        (Fraction(1, 10**6), 'µs μs us microsecond microseconds'),
+        (Fraction(60), 'min minute minutes'),
+    ),
+    # A shaft that turns at 1 Hz makes one turn a second.
+    'rad/s': (
+        (RPM, 'rpm revolutions_per_minute'),
+        (_TURN, 'Hz hertz rps revolutions_per_second'),
+        (1e3 * _TURN, 'kHz kilohertz'),
+    ),
+    'Hz': ((Fraction(1), 'Hz hertz'), (Fraction(1000), 'kHz kilohertz')),
+}
+_EXACT = {unit: {name: factor for factor, names in table for name in names.split()} for unit, table in _NAMES.items()}
+_EXACT['rad/s'] |= {
+    f'{angle}/{time}': turned / taken for angle, turned in _EXACT['rad'].items() for time, taken in _EXACT['s'].items()
+}
+# In a short name the case may tell a prefix from another: no Mm is a mm.
+_FOLDED = {
+    unit: {name.lower(): factor for name, factor in names.items() if len(name) > 2 or name == 'Hz'}
+    for unit, names in _EXACT.items()
+}
 
 
-@cache
-def _registry() -> pint.UnitRegistry[float]:
-    """Build the registry at first use: it takes a third of a second, and most values come without a unit."""
-    import pint  # noqa: PLC0415
+def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fraction(1)) -> float:
+    """Return a quantity in an SI unit.
 
-    registry: pint.UnitRegistry[float] = pint.UnitRegistry(on_redefinition='ignore')
-    # Pint counts hertz as 1/s, so that 1 Hz would be 1 rad/s; a shaft that turns at 1 Hz makes one turn a second.
-    registry.define('hertz = turn / second = Hz')
-    return registry
+    Parameters
+    ----------
+    text
+        A number, or a text of a number and perhaps a unit.
+    unit
+        The SI unit; m, rad, s and rad/s may be written in others of their dimension, the rest as they are.
+    bare
+        What a number without a unit is multiplied by.
+
+    Raises
+    ------
+    ValueError
+        It is no number, or its unit does not convert.
+
+    """
+    match = None if isinstance(text, bool) or not isinstance(text, int | float | str) else _WRITTEN.fullmatch(str(text))
+    factor = _factor(match['unit'], unit, bare) if match else None
+    if match is None or factor is None:
+        raise ValueError(
+            f'{text!r} is not a number {f"with a unit that converts to {unit}" if unit else "without unit"}'
+        )
+    number = float(match['number'])
+    if isinstance(factor, Fraction) and number and math.isfinite(number):
+        return float(Fraction(match['number']) * factor)  # rounded once: 9.75in is 0.24765 m
+    return number * factor
 
 
-def _parse(text: str | float, si: str, bare: float) -> float:
-    if isinstance(text, bool) or not isinstance(text, int | float | str):
-        raise ValueError(f'{text!r} is not a number with a unit that converts to {si}')  # noqa: TRY004
-    match = _WRITTEN.fullmatch(str(text))
-    if match is None:
-        raise ValueError(f'{text!r} is not a number with a unit that converts to {si}')
-    if not match['unit']:
-        return float(match['number']) * bare
-    import pint  # noqa: PLC0415
+def _factor(written: str | None, unit: str, bare: float | Fraction) -> float | Fraction | None:
+    if not written:
+        return bare
+    if _plain(written) == _plain(unit):
+        return Fraction(1)
+    exact = _EXACT.get(unit, {}).get(written)
+    return _FOLDED.get(unit, {}).get(written.lower()) if exact is None else exact
 
-    try:
-        # Pint gets the unit alone: it would evaluate whatever else stood there.
-        return float(match['number']) * float(_registry().Quantity(1.0, match['unit']).to(si).magnitude)
-    except (pint.PintError, ValueError, TypeError, AttributeError, AssertionError) as error:
-        raise ValueError(f'{text!r} is not a number with a unit that converts to {si}') from error
+
+def _plain(unit: str) -> str:
+    return unit.replace(' ', '').replace('²', '^2').replace('**', '^').replace('·', '*')
 
 
 def parse_length(text: str | float) -> float:
@@ -57,7 +111,7 @@ def parse_length(text: str | float) -> float:
         The text is not a length.
 
     """
-    return _parse(text, 'm', 1.0)
+    return parse_quantity(text, 'm')
 
 
 def parse_speed(text: str | float) -> float:
@@ -69,7 +123,7 @@ def parse_speed(text: str | float) -> float:
         The text is not a speed of rotation.
 
     """
-    return _parse(text, 'rad/s', RPM)
+    return parse_quantity(text, 'rad/s', RPM)
 
 
 def parse_frequency(text: str | float) -> float:
@@ -81,7 +135,7 @@ def parse_frequency(text: str | float) -> float:
         The text is not a frequency.
 
     """
-    return _parse(text, 'rad/s', 2 * math.pi)
+    return parse_quantity(text, 'rad/s', _TURN)
 
 
 def parse_angle(text: str | float) -> float:
@@ -93,4 +147,4 @@ def parse_angle(text: str | float) -> float:
         The text is not an angle.
 
     """
-    return _parse(text, 'rad', 1.0)
+    return parse_quantity(text, 'rad')

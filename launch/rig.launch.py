@@ -6,8 +6,6 @@ from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, Opaq
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.plant import PRESETS
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.launch_arguments import end_with_failed, rig_from
 from kapitsa_ros.rig.setup import parameters
@@ -15,8 +13,10 @@ from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 ARGUMENTS = {
-    'preset': ('ideal', 'the plant', list(PRESETS)),
-    'instruments': ('1997', 'how readings err', list(INSTRUMENT_SETS)),
+    'preset': ('ideal', 'the plant: name of a shipped preset, or a YAML file', None),
+    'plant': ('', 'its parameters that differ, as in "length=9.75in coulomb=0.3"', None),
+    'instruments': ('1997', 'how readings err: name of a shipped set, or a YAML file', None),
+    'instrument': ('', 'their parameters that differ, as in "reaction_time=0.2 dial_error=0.01"', None),
     'protocol': ('1997', 'name of a shipped protocol, or a YAML file', None),
     'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
     'seed': ('1', 'of all chance', None),

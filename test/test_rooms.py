@@ -7,8 +7,8 @@ import pytest
 
 PACKAGE = Path(__file__).parents[1] / 'kapitsa_ros'
 ROOMS = (
-    'physics', 'instruments', 'operator', 'network', 'analysis', 'recording', 'laboratory', 'reporting', 'ros', 'nodes',
-    'rig', 'bench', 'cli',
+    'physics', 'instruments', 'operator', 'network', 'analysis', 'configuration', 'recording', 'laboratory',
+    'reporting', 'ros', 'nodes', 'rig', 'bench', 'cli',
 )  # fmt: skip
 ROS = ('rclpy', 'launch', 'launch_ros')
 FILES = sorted(path for path in PACKAGE.rglob('*.py') if path.relative_to(PACKAGE).parts[0] in ROOMS)

@@ -17,7 +17,7 @@ from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
 from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.operator.requests import Requests
-from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:

@@ -9,7 +9,6 @@ import click
 from kapitsa_ros.bench.app import BenchApp
 from kapitsa_ros.bench.bench_state import BenchState
 from kapitsa_ros.bench.terminal import own_terminal, require_terminal
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.rig.errors import RigError
@@ -20,11 +19,12 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
 
 def work_at_bench(  # noqa: PLR0917  # what the command was told
-    plant: Plant, instruments: str, seed: int, rate: float, bags: Path, table: Path
+    plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path
 ) -> None:
     """Start a rig, let a person work it until they leave, and say where things are.
 
@@ -40,11 +40,11 @@ def work_at_bench(  # noqa: PLR0917  # what the command was told
     """
     if old := sorted(bags.glob('run_*_0rpm')):
         raise BagError(f'{old[0]} exists: runs are never overwritten, give another --bags or move it away')
-    state = BenchState(plant, load_instruments(instruments), table, rate)
+    state = BenchState(plant, instruments, table, rate)
     require_terminal()
     make_writable(bags)
     with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL) as rig, own_terminal():
-        screen = BenchApp(rig, state, f'kapitsa bench · instruments {instruments}')
+        screen = BenchApp(rig, state, f'kapitsa bench · instruments {instruments.name}')
         error = screen.run(mouse=False)
     if error is not None:
         raise error

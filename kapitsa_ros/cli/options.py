@@ -9,13 +9,23 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.instruments.settings import INSTRUMENT_SETS
-from kapitsa_ros.physics.plant import PRESETS, load_preset
-from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_speed
+from kapitsa_ros.configuration import instrument_sets, presets
+from kapitsa_ros.configuration.assignments import parse_assignments
+from kapitsa_ros.configuration.files import shipped_names
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.rig_parameters import RigParameters
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.instruments.settings import Instruments
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.schema import describe
+from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_quantity, parse_speed
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
+
+    from kapitsa_ros.schema import Quantity
 
 
 class _Quantity(click.ParamType):  # type: ignore[type-arg]
@@ -54,9 +64,10 @@ class _Rate(click.FloatRange):
         return number
 
 
-RATE = _Rate(0, 1e4)
+_RIG = {item.name: item for item in describe(RigParameters)}
+RATE = _Rate(_RIG['rate'].low, _RIG['rate'].high)
 """Simulated over wall seconds."""
-SEED = click.IntRange(0, 2**63 - 1)
+SEED = click.IntRange(int(_RIG['seed'].low), int(_RIG['seed'].high))
 
 
 def _rate_option(default: float) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -65,7 +76,7 @@ def _rate_option(default: float) -> Callable[[Callable[..., Any]], Callable[...,
         type=RATE,
         default=default,
         show_default=True,
-        help='simulated over wall seconds; 0: as fast as it can',
+        help=_RIG['rate'].description,
     )
 
 
@@ -75,42 +86,97 @@ real_time_option = _rate_option(1.0)
 """Adds --rate, for people."""
 
 
-_PLANT_OPTIONS: tuple[tuple[str, Any, str], ...] = (
-    ('length', LENGTH, 'length of the rod, L'),
-    ('amplitude', LENGTH, 'half the stroke of the pivot, λ'),
-    ('gravity', float, 'g, m/s²'),
-    ('damping', float, 'viscous friction c, 1/s'),
-    ('coulomb', float, 'Coulomb friction f, rad/s²'),
-    ('clearance', LENGTH, 'diametral play of the pivot hole, D'),
-    ('restitution', float, 'restitution of impacts within the play, e'),
-    ('inertia_factor', float, 'κ in k = κ·3/(2L)'),
-    ('wear', float, 'growth of the clearance, m per J/kg that impacts lose'),
-    ('failure_clearance', LENGTH, 'play at which the hole has worn through'),
-)
+class _Named(click.ParamType):  # type: ignore[type-arg]
+    """A shipped file by its name, or another by its path; what is in it."""
+
+    name = 'name or file'
+
+    def __init__(self, load: Callable[[str], Any]) -> None:
+        self._load = load
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return self._load(value)
+        except KapitsaError as error:
+            self.fail(str(error), param, ctx)
+
+
+def _names(folder: str) -> str:
+    return f'[{"|".join(shipped_names(folder))}|FILE]'
+
+
+class _Assignment(click.ParamType):  # type: ignore[type-arg]
+    name = 'NAME=VALUE'
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, tuple):
+            return value
+        try:
+            ((name, assigned),) = parse_assignments([value]).items()
+            Instruments.of({name: assigned})
+        except KapitsaError as error:
+            self.fail(str(error), param, ctx)
+        return name, assigned
 
 
 def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add --preset and its overrides; the command gets `plant`, a PlantParameters."""
+    """Add --preset and its overrides; the command gets `plant`, a Plant."""
+    quantities = describe(Plant)
 
     @functools.wraps(command)
-    def with_plant(*args: Any, preset: str, **kwargs: Any) -> Any:
-        overrides = {name: kwargs.pop(name) for name, _, _ in _PLANT_OPTIONS}
-        return command(*args, plant=load_preset(preset, _given(overrides)), **kwargs)
+    def with_plant(*args: Any, preset: Plant, **kwargs: Any) -> Any:
+        overrides = {item.name: kwargs.pop(item.name) for item in quantities}
+        plant = preset.replaced({name: value for name, value in overrides.items() if value is not None})
+        return command(*args, plant=plant, **kwargs)
 
-    for name, kind, text in reversed(_PLANT_OPTIONS):
+    for item in reversed(quantities):
+        described = ', '.join(filter(None, (item.description, item.symbol, '' if item.unit == 'm' else item.unit)))
         with_plant = click.option(
-            f'--{name.replace("_", "-")}', name, type=kind, help=f'{text} (overrides the preset)'
+            f'--{item.name.replace("_", "-")}',
+            item.name,
+            type=LENGTH if item.unit == 'm' else _number(item),
+            help=f'{described} (overrides the preset)',
         )(with_plant)
-    return click.option('--preset', type=click.Choice(PRESETS), default='ideal', show_default=True, help='the plant')(
-        with_plant
-    )
+    return click.option(
+        '--preset',
+        type=_Named(load_preset),
+        metavar=_names(presets.FOLDER),
+        default='ideal',
+        show_default=True,
+        help='the plant',
+    )(with_plant)
+
+
+def _number(item: Quantity) -> _Quantity:
+    return _Quantity('float', functools.partial(parse_quantity, unit=item.unit), f'{item.default:g}{item.unit}')
 
 
 def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add --instruments; the command gets the name of a set."""
+    """Add --instruments and --instrument, its overrides; the command gets `instruments`."""
+
+    @functools.wraps(command)
+    def with_instruments(
+        *args: Any, instruments: Instruments, overrides: Sequence[tuple[str, str]], **kwargs: Any
+    ) -> Any:
+        return command(*args, instruments=instruments.replaced(dict(overrides)), **kwargs)
+
+    with_instruments = click.option(
+        '--instrument',
+        'overrides',
+        type=_Assignment(),
+        multiple=True,
+        help='a parameter of an instrument, in SI or with a unit (overrides the set; several may be given)',
+    )(with_instruments)
     return click.option(
-        '--instruments', type=click.Choice(INSTRUMENT_SETS), default='1997', show_default=True, help='how readings err'
-    )(command)
+        '--instruments',
+        type=_Named(load_instruments),
+        metavar=_names(instrument_sets.FOLDER),
+        default='1997',
+        show_default=True,
+        help='how readings err',
+    )(with_instruments)
 
 
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -142,7 +208,3 @@ def _plain(value: Any) -> Any:
     if hasattr(value, 'item'):  # numpy's scalars
         value = value.item()
     return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _given(overrides: Mapping[str, float | None]) -> dict[str, float]:
-    return {name: value for name, value in overrides.items() if value is not None}

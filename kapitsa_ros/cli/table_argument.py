@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.analysis.table import Readings, read_table
-from kapitsa_ros.resources import resource_path
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.configuration.tables import load_table
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -18,12 +17,7 @@ class _Table(click.ParamType):  # type: ignore[type-arg]
     name = 'table'
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Readings:  # noqa: ARG002
-        if isinstance(value, Readings):
-            return value
-        path = Path(value)
-        shipped = resource_path('config', 'tables', f'{path.stem}.csv')
-        named = path.parent == Path() and not path.exists() and shipped.is_file()
-        return read_table(shipped if named else path)
+        return value if isinstance(value, Readings) else load_table(value)
 
 
 def table_argument(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,21 +1,16 @@
-"""What the instruments and the person who reads them are like, and the sets that are shipped."""
+"""What the instruments and the person who reads them are like."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
-
-import yaml
 
 from kapitsa_ros.instruments.errors import SettingsError
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
-from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-INSTRUMENT_SETS = ('1997', 'ideal')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,36 +19,38 @@ class Instruments:
 
     strobe: StrobeSettings
     stopwatch: StopwatchSettings
+    name: str = field(default='', compare=False)
+    """Of the set, for people."""
 
+    @classmethod
+    def of(cls, parameters: Mapping[str, Any], name: str = '') -> Instruments:
+        """Sort a flat mapping of parameters, as ROS holds them, into the instruments they belong to.
 
-def instruments_from(parameters: Mapping[str, Any]) -> Instruments:
-    """Sort a flat mapping of parameters, as ROS holds them, into the instruments they belong to.
+        Raises
+        ------
+        SettingsError
+            A name belongs to no instrument, or a value is out of its range.
 
-    Raises
-    ------
-    SettingsError
-        A name belongs to no instrument, or a value is out of its range.
+        """
+        return cls(strobe=StrobeSettings(), stopwatch=StopwatchSettings(), name=name).replaced(parameters)
 
-    """
-    names = {kind: {quantity.name for quantity in fields(kind)} for kind in (StrobeSettings, StopwatchSettings)}
-    surplus = sorted(set(parameters) - set().union(*names.values()))
-    if surplus:
-        raise SettingsError(f'no instrument has a parameter {", ".join(surplus)}: check the spelling')
-    strobe = {name: value for name, value in parameters.items() if name in names[StrobeSettings]}
-    stopwatch = {name: value for name, value in parameters.items() if name in names[StopwatchSettings]}
-    return Instruments(strobe=StrobeSettings(**strobe), stopwatch=StopwatchSettings(**stopwatch))
+    def replaced(self, parameters: Mapping[str, Any]) -> Instruments:
+        """Return the set with some parameters replaced.
 
+        Raises
+        ------
+        SettingsError
+            A name belongs to no instrument, or a value is out of its range.
 
-def load_instruments(name: str, overrides: Mapping[str, float] | None = None) -> Instruments:
-    """Read a set from config/instruments and replace the given parameters.
-
-    Raises
-    ------
-    SettingsError
-        There is no such set, or a parameter of it is unknown or out of its range.
-
-    """
-    if name not in INSTRUMENT_SETS:
-        raise SettingsError(f'unknown instruments {name!r}: choose one of {", ".join(INSTRUMENT_SETS)}')
-    document = yaml.safe_load(resource_path('config', 'instruments', f'{name}.yaml').read_text(encoding='utf-8'))
-    return instruments_from({**document['/**']['ros__parameters'], **(overrides or {})})
+        """
+        kinds = {'strobe': StrobeSettings, 'stopwatch': StopwatchSettings}
+        owner = {item.name: instrument for instrument, kind in kinds.items() for item in fields(kind)}
+        if surplus := sorted(set(parameters) - set(owner)):
+            raise SettingsError(f'no instrument has a parameter {", ".join(surplus)}: give some of {", ".join(owner)}')
+        parts: dict[str, Any] = {
+            instrument: getattr(self, instrument).replaced(
+                {name: value for name, value in parameters.items() if owner[name] == instrument}
+            )
+            for instrument in kinds
+        }
+        return Instruments(**parts, name=self.name)

@@ -7,15 +7,16 @@ from dataclasses import asdict, dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.instruments.random_streams import random_stream
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.strobe import Strobe
 from kapitsa_ros.network.registry import STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.network.run_builder import RunBuilder
-from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_clock import StepClock
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.scripted import ScriptedOperator
-from kapitsa_ros.physics.jigsaw import MAX_SPEED, Jigsaw
+from kapitsa_ros.physics.jigsaw import Jigsaw
 from kapitsa_ros.physics.pendulum import Pendulum
 
 if TYPE_CHECKING:
@@ -27,48 +28,42 @@ if TYPE_CHECKING:
     from kapitsa_ros.operator.protocol import Protocol
     from kapitsa_ros.physics.plant import Plant
 
-_SAMPLE_RATE = 1000.0  # Hz
-_SPIN_UP = 200.0  # rad/s²
+_STEPS = StepParameters()
 
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatedExperiment:
     """An experiment that gives the readings the graph would give with the same settings.
 
-    Step, sample rate, steps in flight and the shaft's spin-up are the defaults of the nodes: they decide which step an
-    answer falls into, and so the readings.
+    Steps and jigsaw are those that the nodes have by default.
     """
 
     plant: Plant
     instruments: Instruments
     protocol: Protocol
     seed: int
-    step: float = 0.1
-    """Length of a communication step, s."""
-    in_flight: int = 4
-    """Steps from a reading to the command that answers it."""
 
     def runs(self) -> list[Run]:
         """Carry out the protocol."""
         return [self._run(number, speed) for number, speed in enumerate(self.protocol.speeds, start=1)]
 
     def _run(self, number: int, speed: float) -> Run:
-        clock = StepClock(round(self.step * SECOND))
-        jigsaw = Jigsaw(amplitude=self.plant.amplitude, spin_up=_SPIN_UP, max_speed=MAX_SPEED)
+        clock = StepClock(_STEPS.step_ns)
+        jigsaw = Jigsaw(amplitude=self.plant.amplitude)
         pendulum = Pendulum(self.plant)
         strobe = Strobe(self.instruments.strobe, random_stream(self.seed, 'strobe', number))
         watch = Stopwatch(
             self.instruments.stopwatch, self.protocol.swings, random_stream(self.seed, 'stopwatch', number)
         )
         operator = ScriptedOperator(self.protocol, speed, clock.step)
-        commands = deque([operator.opening()] * self.in_flight)
+        commands = deque([operator.opening()] * _STEPS.in_flight)
         builder = RunBuilder(number, self._settings())
         for step in count():
             command: Command = commands.popleft()
             if command.end:
                 return builder.build(complete=True)
             start = clock.start(StepId(number, step))
-            pivot = jigsaw.advance(command.speed, clock.step, round(clock.step * _SAMPLE_RATE))
+            pivot = jigsaw.advance(command.speed, clock.step, _STEPS.samples)
             if command.hold is None:
                 pendulum.release()
             else:

@@ -8,18 +8,22 @@ the next run.
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.network.registry import COMMAND, JIGSAW, PIVOT
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId, ends_session
-from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.jigsaw import MAX_SPEED, Jigsaw
+from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
 from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import NodeError, SettingError
-from kapitsa_ros.ros.parameters import declare, declare_plant, settings_text, versions
+from kapitsa_ros.ros.parameters import declare_set, settings_text, versions
 from kapitsa_ros.ros.stall_warning import StallWarning
 from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
 from kapitsa_ros.ros.time_control import TimeControl
@@ -34,26 +38,15 @@ class JigsawNode(DataflowNode):
 
     def __init__(self) -> None:
         super().__init__(JIGSAW)
-        step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
-        sample_rate = declare(self, 'sample_rate', 1000.0, 'samples of the motion a second', 10.0, 1e5)
-        self._steps = StepClock(round(step * SECOND))
-        self._count = round(step * sample_rate)
-        if abs(self._count - step * sample_rate) > 1e-9 or self._steps.step_ns % max(self._count, 1):
-            raise SettingError(
-                f'parameter sample_rate: {sample_rate} Hz and a step of {step} s do not make whole samples of whole ns'
-            )
-        self._in_flight = declare(
-            self, 'in_flight', 4, 'steps under way at once; the operator is told the same', 1, 100
-        )
-        self._plant = declare_plant(self, 'amplitude')
-        self._motion = {
-            'rod_ratio': declare(self, 'rod_ratio', 0.0, 'connecting rod over crank radius; 0: pure cosine', 0.0, 1e6),
-            'phase': declare(
-                self, 'phase', 0.0, 'of the pivot when a run begins, rad; 0: bottom of the stroke', -10.0, 10.0
-            ),
-            'spin_up': declare(self, 'spin_up', 200.0, 'angular acceleration of the shaft, rad/s^2', 0.1, 1e5),
-            'max_speed': declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4),
-        }
+        parameters = declare_set(self, StepParameters)
+        try:
+            self._count = parameters.samples
+        except ConfigurationError as error:
+            raise SettingError(f'parameter {error}') from error
+        self._steps = StepClock(parameters.step_ns)
+        self._in_flight = parameters.in_flight
+        self._plant = declare_set(self, Plant, 'amplitude')
+        self._motion = declare_set(self, JigsawParameters)
         self._time = TimeControl(self, next_step=lambda: self._next, reset=self._reset)
         self._jigsaw = self._at_rest()
         self._commands: deque[tuple[StepId, Command]] = deque()
@@ -68,11 +61,9 @@ class JigsawNode(DataflowNode):
             settings_text(
                 'jigsaw',
                 amplitude=self._plant.amplitude,
-                step=step,
-                sample_rate=sample_rate,
-                in_flight=self._in_flight,
                 versions=versions(),
-                **self._motion,
+                **asdict(parameters),
+                **asdict(self._motion),
             )
         )
 
@@ -86,8 +77,8 @@ class JigsawNode(DataflowNode):
         if (step_id.run, step_id.step) < (self._next.run, self._next.step + len(self._commands)):
             return False
         command = COMMAND.decode(raw)
-        if not 0 <= command.speed <= self._motion['max_speed']:
-            fastest = self._motion['max_speed'] / RPM
+        if not 0 <= command.speed <= self._motion.max_speed:
+            fastest = self._motion.max_speed / RPM
             raise NodeError(f'a command wants {command.speed / RPM:.0f} RPM: this jigsaw does 0 to {fastest:.0f} RPM')
         self._commands.append((step_id, command))
         return True
@@ -156,10 +147,7 @@ class JigsawNode(DataflowNode):
             self.finish()
 
     def _at_rest(self) -> Jigsaw:
-        try:
-            return Jigsaw(amplitude=self._plant.amplitude, **self._motion)
-        except PhysicsError as error:
-            raise SettingError(f'parameter {error}') from error
+        return Jigsaw(amplitude=self._plant.amplitude, parameters=self._motion)
 
     def _tell(self, step_id: StepId, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""

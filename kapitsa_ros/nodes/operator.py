@@ -13,18 +13,20 @@ from typing import TYPE_CHECKING
 
 from std_msgs.msg import Float64
 
+from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.network.registry import COMMAND, OPERATOR, STOPWATCH_READING, STROBE_READING
-from kapitsa_ros.network.step_clock import SECOND, StepClock
+from kapitsa_ros.network.step_clock import StepClock
 from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.errors import ProtocolError, RequestError
 from kapitsa_ros.operator.manual import ManualOperator
-from kapitsa_ros.operator.protocol import MANUAL, load_protocol
+from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import Requests
 from kapitsa_ros.operator.scripted import ScriptedOperator
-from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set
 from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
@@ -44,10 +46,9 @@ class OperatorNode(StepNode):
         super().__init__(OPERATOR)
         name = declare(self, 'protocol', '1997', f'name of a shipped protocol, path of a YAML file, or {MANUAL}')
         release = declare(self, 'release', 0.12, 'angle at which a manual run begins, rad', -1.5, 1.5)
-        fastest = declare(self, 'max_speed', MAX_SPEED, 'fastest the shaft can turn, rad/s', 1.0, 1e4)
-        self._in_flight = declare(self, 'in_flight', 4, 'steps under way at once; the jigsaw is told the same', 1, 100)
-        step = declare(self, 'step', 0.1, 'length of a communication step, s', 0.001, 1.0)
-        self._steps = StepClock(round(step * SECOND))
+        fastest = declare_quantity(self, JigsawParameters, 'max_speed')
+        parameters = declare_set(self, StepParameters, 'step', 'in_flight')
+        self._in_flight, self._steps = parameters.in_flight, StepClock(parameters.step_ns)
         if name == MANUAL:
             requests = self._heed(Requests(fastest))
             self._runs: Iterator[Begin] = repeat(partial(ManualOperator, requests, release, self._steps.step))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,8 +11,9 @@ from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
-from kapitsa_ros.ros.parameters import declare_plant, settings_text
+from kapitsa_ros.ros.parameters import declare_set, settings_text
 from kapitsa_ros.ros.step_node import StepNode
+from kapitsa_ros.schema import describe
 
 if TYPE_CHECKING:
     from kapitsa_ros.network.step import Step
@@ -27,7 +27,7 @@ class PendulumNode(StepNode):
         Pendulum(Plant()).advance(SampledMotion(0.001, *np.zeros((3, 101))))
         super().__init__(PENDULUM)
         # The stroke is the jigsaw's; all else of the plant is here.
-        self._plant = declare_plant(self, *(field.name for field in fields(Plant) if field.name != 'amplitude'))
+        self._plant = declare_set(self, Plant, *(item.name for item in describe(Plant) if item.name != 'amplitude'))
         self._pendulum = Pendulum(self._plant)
         self._joint_states = JointStatePublisher(self)
         self.latch_settings(settings_text('pendulum', plant=self._plant))

@@ -8,6 +8,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import MOTION, PIVOT, PLAYER, REPLAYED
@@ -21,7 +22,7 @@ from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
 from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
-from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.parameters import declare, declare_quantity
 from kapitsa_ros.ros.qos import LATCHED, message_class
 from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
@@ -39,9 +40,7 @@ class PlayerNode(DataflowNode):
     def __init__(self) -> None:
         super().__init__(PLAYER)
         paths = declare(self, 'bags', [''], 'folders of the runs to play, in this order')
-        self._pace = RealTimePacer(
-            declare(self, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4)
-        )
+        self._pace = RealTimePacer(declare_quantity(self, RigParameters, 'rate'))
         if not any(paths):
             raise SettingError('parameter bags is empty: give one run or more')
         try:

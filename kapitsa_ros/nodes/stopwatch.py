@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.network.registry import STOPWATCH
+from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.ros.instrument_node import InstrumentNode
-from kapitsa_ros.ros.parameters import declare, declare_settings, settings_text
+from kapitsa_ros.ros.parameters import declare_quantity, declare_set, settings_text
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -19,8 +20,8 @@ class StopwatchNode(InstrumentNode):
 
     def __init__(self) -> None:
         super().__init__(STOPWATCH)
-        self._swings = declare(self, 'swings', 3, 'full swings timed after each release', 1, 1000)
-        self._settings = declare_settings(self, StopwatchSettings)
+        self._swings = declare_quantity(self, Protocol, 'swings')
+        self._settings = declare_set(self, StopwatchSettings)
         self.latch_settings(settings_text('stopwatch', seed=self.seed, swings=self._swings, instrument=self._settings))
 
     def instrument(self, random: Generator) -> Stopwatch:

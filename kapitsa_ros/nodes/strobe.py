@@ -8,7 +8,7 @@ from kapitsa_ros.instruments.strobe import Strobe
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.network.registry import STROBE
 from kapitsa_ros.ros.instrument_node import InstrumentNode
-from kapitsa_ros.ros.parameters import declare_settings, settings_text
+from kapitsa_ros.ros.parameters import declare_set, settings_text
 
 if TYPE_CHECKING:
     from numpy.random import Generator
@@ -19,7 +19,7 @@ class StrobeNode(InstrumentNode):
 
     def __init__(self) -> None:
         super().__init__(STROBE)
-        self._settings = declare_settings(self, StrobeSettings)
+        self._settings = declare_set(self, StrobeSettings)
         self.latch_settings(settings_text('strobe', seed=self.seed, instrument=self._settings))
 
     def instrument(self, random: Generator) -> Strobe:

@@ -105,7 +105,7 @@ def simulate_flexible(
 
     """
     plant = release.plant
-    if plant.coulomb or plant.clearance or release.linear:
+    if not plant.linearly_damped or release.linear:
         raise ParameterError(
             'a bending rod has neither coulomb friction nor clearance and is not linear: '
             'set those to 0, or leave the bending out'

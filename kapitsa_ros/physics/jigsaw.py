@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.errors import MotionError, ParameterError
+from kapitsa_ros.physics.errors import MotionError
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 
 if TYPE_CHECKING:
@@ -16,8 +18,7 @@ if TYPE_CHECKING:
 
 TWO_PI = Fraction('6.283185307179586476925286766559005768394338798750')
 TURN = 1 << 128
-MAX_SPEED = 5000 * 2.0 * math.pi / 60
-"""rad/s: what a jigsaw does, 5000 strokes a minute, unless told otherwise."""
+_DEFAULTS = JigsawParameters()
 
 
 class Jigsaw:
@@ -30,15 +31,8 @@ class Jigsaw:
     ----------
     amplitude
         λ, m: the crank's radius.
-    rod_ratio
-        Length of the connecting rod over the crank's radius, above 1; 0 for a Scotch yoke, whose stroke is the pure
-        cosine y = −λ cos φ of the report.
-    phase
-        φ at the start, rad: 0 is the bottom of the stroke.
-    spin_up
-        Limit of the angular acceleration, rad/s².
-    max_speed
-        Limit of the speed, rad/s.
+    parameters
+        Of crank and shaft.
 
     Raises
     ------
@@ -51,23 +45,13 @@ class Jigsaw:
         self,
         *,
         amplitude: float,
-        rod_ratio: float = 0.0,
-        phase: float = 0.0,
-        spin_up: float = 500.0,
-        max_speed: float = MAX_SPEED,
+        parameters: JigsawParameters = _DEFAULTS,
     ) -> None:
-        for name, value in (('amplitude', amplitude), ('spin_up', spin_up), ('max_speed', max_speed)):
-            if not 0 < value < math.inf:
-                raise ParameterError(f'{name} is {value}: give a finite number above 0')
-        if not (rod_ratio == 0 or 1 < rod_ratio < math.inf):
-            raise ParameterError(f'rod_ratio is {rod_ratio}: it must be above 1, or 0 for a pure cosine')
-        if not math.isfinite(phase):
-            raise ParameterError(f'phase is {phase}: give a finite number')
-        self._amplitude = amplitude
-        self._rod_ratio = rod_ratio
-        self._spin_up = spin_up
-        self._max_speed = max_speed
-        self._turn = round(Fraction(phase) / TWO_PI * TURN) % TURN
+        self._amplitude = Plant(amplitude=amplitude).amplitude
+        self._rod_ratio = parameters.rod_ratio
+        self._spin_up = parameters.spin_up
+        self._max_speed = parameters.max_speed
+        self._turn = round(Fraction(parameters.phase) / TWO_PI * TURN) % TURN
         self._speed = 0.0
 
     @property

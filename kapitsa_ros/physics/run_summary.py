@@ -64,9 +64,9 @@ def summarise_run(release: Release, duration: float, bending: BendingMode | None
         return RunSummary(frequency=None, growth=growth, periods=None)
 
     rigid = bending is None
-    if rigid and release.linear and plant.coulomb == 0 and plant.clearance == 0:
+    if rigid and release.linear and plant.linearly_damped:
         frequency = slow_frequency_exact(plant, speed)
-    elif rigid and plant.damping == 0 and plant.coulomb == 0 and plant.clearance == 0:
+    elif rigid and plant.conservative:
         frequency = slow_frequency_nonlinear(plant, speed, release.angle, release.phase)
     else:
         frequency = mean_turn(swinging) / turn if swinging.size > 2 else None

@@ -67,7 +67,7 @@ def compare_solvers(release: Release, *, duration: float = 300.0, cycles: int = 
 
     """
     plant = release.plant
-    if plant.damping or plant.coulomb or plant.clearance:
+    if not plant.conservative:
         raise PhysicsError('the study asks about a frictionless pendulum: leave out damping, coulomb and clearance')
     turns = math.floor(duration * release.speed / (2.0 * math.pi)) - 1
     for method, options in SOLVERS:

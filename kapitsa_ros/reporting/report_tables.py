@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 from rich.table import Table
 
 from kapitsa_ros.analysis.line_fit import inverse, ordinary
-from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
-from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -37,7 +36,7 @@ def _measurements(values: Mapping[str, Any]) -> Table:
         'Table 2: experimental measurements', 'run', 'ω 1997 (RPM)', 'T 1997 (s)', 'Ω 1997 (RPM)',
         'ω rig (RPM)', 'T rig (s)', 'Ω rig (RPM)',
     )  # fmt: skip
-    readings = read_table(resource_path('config', 'tables', '1997.csv'))
+    readings = load_table('1997')
     report = [
         (f'{omega / RPM:.0f}', f'{period:.2f}', f'{60 / period:.0f}')
         for omega, period in zip(readings.forcing, readings.period, strict=True)
@@ -55,7 +54,7 @@ def _measurements(values: Mapping[str, Any]) -> Table:
 
 def _critical_speed(values: Mapping[str, Any]) -> Table:
     table = _table('Table 3: critical stabilising forcing frequency', '', '1997', 'rig')
-    readings = read_table(resource_path('config', 'tables', '1997.csv'))
+    readings = load_table('1997')
     predicted = omega_crit_averaged(Plant())
     fitted = {'inverse_rpm': inverse(readings).omega_crit, 'ols_rpm': ordinary(readings).omega_crit}
     for label, key in (('experiment: ω² on Ω², as in 1997', 'inverse_rpm'), ('experiment: Ω² on ω²', 'ols_rpm')):

@@ -9,12 +9,15 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.network.registry import CLIENT, COMMAND, ROLE_NAMES
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import Requests
-from kapitsa_ros.physics.jigsaw import MAX_SPEED
-from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import RigError, UsageError
@@ -44,9 +47,9 @@ class Rig:
     Parameters
     ----------
     preset
-        Name of the plant: ideal, bearing or as_built_1997; or its parameters.
+        The plant: the name of a preset, as in `kapitsa experiment --help`, the path of a file, or its parameters.
     instruments
-        Name of the instrument set: 1997 or ideal.
+        The instruments: the name of a set, the path of a file, or their settings.
     seed
         Of all chance in the rig.
     rate
@@ -71,8 +74,8 @@ class Rig:
 
     def __init__(  # noqa: PLR0917  # the order is the contract's
         self,
-        preset: str | Plant = 'ideal',
-        instruments: str = '1997',
+        preset: str | Path | Plant = 'ideal',
+        instruments: str | Path | Instruments = '1997',
         seed: int = 1,
         rate: float = 0.0,
         nodes: Sequence[str] | None = None,
@@ -102,7 +105,9 @@ class Rig:
             self.bags = Path(folder)
             setup = Setup(
                 plant=self._preset if isinstance(self._preset, Plant) else load_preset(self._preset),
-                instruments=self._instruments,
+                instruments=self._instruments
+                if isinstance(self._instruments, Instruments)
+                else load_instruments(self._instruments),
                 protocol=self._protocol,
                 seed=self._seed,
                 rate=self._rate,

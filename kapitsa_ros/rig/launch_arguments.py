@@ -7,11 +7,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from kapitsa_ros.cli.options import RATE, SEED
-from kapitsa_ros.physics.plant import load_preset
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.configuration.assignments import parse_assignments
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.rig_parameters import RigParameters
+from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
@@ -35,11 +36,11 @@ def rig_from(said: Mapping[str, str]) -> Setup:
     """
     with _in_words_of_launch():
         setup = Setup(
-            plant=load_preset(said['preset']),
-            instruments=said['instruments'],
+            plant=load_preset(said['preset'], parse_assignments(said['plant'].split())),
+            instruments=load_instruments(said['instruments'], parse_assignments(said['instrument'].split())),
             protocol=said['protocol'],
-            rate=_read('rate', RATE, said),
-            seed=_read('seed', SEED, said),
+            rate=_read('rate', said),
+            seed=_read('seed', said),
             bags=Path(said['bags']).expanduser(),
         )
         prepare(setup)
@@ -57,7 +58,7 @@ def replay_from(said: Mapping[str, str]) -> dict[str, Any]:
     """
     folder = Path(said['bags']).expanduser()
     with _in_words_of_launch():
-        rate = _read('rate', RATE, said)
+        rate = _read('rate', said)
         paths = [folder] if _is_run(folder) else sorted(path for path in folder.glob('*/') if _is_run(path))
         if not paths:
             raise UsageError(f'--bags {folder}: no run is there; give the folder of a run, or of several')
@@ -83,11 +84,11 @@ def _is_run(folder: Path) -> bool:
     return any(path.is_file() for pattern in _RECORDED for path in folder.glob(pattern))
 
 
-def _read(name: str, kind: click.ParamType, said: Mapping[str, str]) -> Any:  # type: ignore[type-arg]
+def _read(name: str, said: Mapping[str, str]) -> Any:
     try:
-        return kind.convert(said[name], None, None)
-    except click.BadParameter as error:
-        raise UsageError(f'--{name} {said[name]}: {error.message}') from error
+        return getattr(RigParameters.of({name: said[name]}), name)
+    except ConfigurationError as error:
+        raise UsageError(f'--{name} {said[name]}: {error}') from error
 
 
 @contextmanager
@@ -95,5 +96,5 @@ def _in_words_of_launch() -> Iterator[None]:
     """Name an argument as it is written here: `bags:=` for `--bags`."""
     try:
         yield
-    except (RigError, BagError, ValueError) as error:
+    except KapitsaError as error:
         raise UsageError(re.sub(r'--([a-z]+)( (?=\S+: ))?', r'\1:=', str(error))) from error

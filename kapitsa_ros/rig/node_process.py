@@ -9,6 +9,8 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
+import yaml
+
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.ros.arguments import PARENT_OPTION
 
@@ -37,21 +39,24 @@ class NodeProcess:
         self.role = role
         self._lines: deque[str] = deque(maxlen=LAST_LINES)
         self._news = threading.Condition()
+        file = _params_file(parameters)
         command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, PARENT_OPTION, str(os.getpid())]
-        command += ['--ros-args', '--disable-external-lib-logs']
-        for name, value in parameters.items():
-            command += ['-p', f'{name}:={_yaml(value)}']
+        command += ['--ros-args', '--disable-external-lib-logs', '--params-file', f'/proc/self/fd/{file}']
         # A session of its own: Ctrl-C reaches the rig, which then ends its nodes in order.
-        self._process = subprocess.Popen(  # noqa: S603
-            command,
-            env=node_environment(domain),
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.PIPE,
-            text=True,
-            errors='replace',
-            start_new_session=True,
-        )
+        try:
+            self._process = subprocess.Popen(  # noqa: S603
+                command,
+                env=node_environment(domain),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=subprocess.PIPE,
+                text=True,
+                errors='replace',
+                start_new_session=True,
+                pass_fds=(file,),
+            )
+        finally:
+            os.close(file)
         self.pidfd = os.pidfd_open(self._process.pid)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -102,10 +107,10 @@ class NodeProcess:
             pass  # closed from the other side while stopping
 
 
-def _yaml(value: Any) -> str:
-    """Write a parameter as ROS reads it: as YAML, on one line."""
-    if isinstance(value, list):
-        return f'[{", ".join(map(_yaml, value))}]'
-    if isinstance(value, str):
-        return "'" + value.replace("'", "''") + "'"
-    return str(value).lower() if isinstance(value, bool) else repr(value)
+def _params_file(parameters: Mapping[str, Any]) -> int:
+    """Write parameters for nodes of any name to a file in memory, which is gone with its last reader."""
+    file = os.memfd_create('parameters')
+    text = yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}, allow_unicode=True)
+    with os.fdopen(os.dup(file), 'w', encoding='utf-8') as writer:
+        writer.write(text)
+    return file

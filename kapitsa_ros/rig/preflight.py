@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.operator.protocol import MANUAL
-from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.recording.naming import refuse_existing
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM

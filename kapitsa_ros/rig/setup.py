@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.network.registry import REPLAY_ROLES, ROLE_NAMES
-from kapitsa_ros.operator.protocol import MANUAL, Protocol, load_protocol
+from kapitsa_ros.operator.protocol import MANUAL, Protocol
 from kapitsa_ros.physics.plant import Plant
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kapitsa_ros.instruments.settings import Instruments
 
 REPLAY_NAMES = tuple(role.name for role in REPLAY_ROLES)
 
@@ -22,7 +27,7 @@ class Setup:
     """What a rig is made of; everything a node is told follows from it."""
 
     plant: Plant = field(default_factory=Plant)
-    instruments: str = '1997'
+    instruments: Instruments = field(default_factory=partial(load_instruments, '1997'))
     protocol: str = '1997'
     seed: int = 1
     rate: float = 0.0
@@ -37,16 +42,14 @@ class Setup:
 
 def parameters(setup: Setup) -> dict[str, Any]:
     """Return the parameters that every node of a rig is given; each takes those it declares."""
-    instruments = load_instruments(setup.instruments)
     return {
         **asdict(setup.plant),
-        **asdict(instruments.strobe),
-        **asdict(instruments.stopwatch),
+        **asdict(setup.instruments.strobe),
+        **asdict(setup.instruments.stopwatch),
         'expect': list(setup.roles),
         'protocol': setup.protocol,
         **({} if setup.protocol == MANUAL else {'swings': setup.carried_out().swings}),
-        'seed': setup.seed,
-        'rate': float(setup.rate),
+        **asdict(RigParameters(seed=setup.seed, rate=setup.rate)),
         'bags': str(setup.bags),
         'storage': setup.storage,
     }
@@ -54,4 +57,4 @@ def parameters(setup: Setup) -> dict[str, Any]:
 
 def replay_parameters(bags: Sequence[Path], rate: float) -> dict[str, Any]:
     """Return the parameters of player and analyser."""
-    return {'expect': list(REPLAY_NAMES), 'bags': [str(bag) for bag in bags], 'rate': float(rate)}
+    return {'expect': list(REPLAY_NAMES), 'bags': [str(bag) for bag in bags], 'rate': RigParameters(rate=rate).rate}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from string import Template
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.jigsaw import MAX_SPEED
+from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:

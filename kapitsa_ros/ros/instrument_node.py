@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Protocol
 
+from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.ros.parameters import declare_seed
+from kapitsa_ros.ros.parameters import declare_quantity
 from kapitsa_ros.ros.step_node import StepNode
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ class InstrumentNode(StepNode):
 
     def __init__(self, role: Role) -> None:
         super().__init__(role)
-        self.seed = declare_seed(self)
+        self.seed = int(declare_quantity(self, RigParameters, 'seed'))
         (self._motion,), (self._readings,) = role.reads, role.writes
         self._instrument: Instrument
 

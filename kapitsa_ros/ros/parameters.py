@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 import platform
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.exceptions import (
@@ -16,27 +16,19 @@ from rclpy.exceptions import (
 )
 from rclpy.parameter import Parameter
 
-from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.schema import ParameterSet, describe
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-TINY, HUGE = 1e-6, 1e6
-_PLANT = {
-    'length': ('L: length of the uniform rod, m', TINY, 1e3),
-    'amplitude': ('lambda: amplitude of the pivot, half its stroke, m', TINY, 1e2),
-    'gravity': ('g, m/s^2', TINY, 1e3),
-    'damping': ('c = 3 mu/(m L^2): viscous friction, 1/s', 0.0, HUGE),
-    'coulomb': ('f = 3 phi/(m L^2): Coulomb friction, rad/s^2', 0.0, HUGE),
-    'clearance': ('D: diametral play of the pivot hole, m', 0.0, 1.0),
-    'restitution': ('e: restitution of impacts within the play', 0.0, 1.0),
-    'inertia_factor': ('kappa: k = kappa 3/(2L); 1 is the ideal rod', TINY, 1e3),
-    'wear': ('growth of the clearance, m per J/kg that impacts lose', 0.0, 1.0),
-    'failure_clearance': ('play at which the hole has worn through, m', TINY, 1.0),
-}
+    from kapitsa_ros.schema import Quantity
+
+_LEAST = 1e-6
+"""Stands for "above 0" in a range of ROS, which contains its ends."""
+_ASCII = {'λ': 'lambda', 'κ': 'kappa', 'ρ': 'rho', 'μ': ' mu', 'φ': ' phi', '²': '^2', '·': ' '}
+_Set = TypeVar('_Set', bound=ParameterSet)
 
 
 def declare(  # noqa: PLR0917
@@ -77,38 +69,42 @@ def declare(  # noqa: PLR0917
         raise SettingError(str(error)) from error
 
 
-def declare_plant(node: Node, *names: str) -> Plant:
-    """Declare the named fields of the plant as parameters and return the plant they make."""
-    defaults = Plant()
-    values = {name: declare(node, name, getattr(defaults, name), *_PLANT[name]) for name in names}
-    try:
-        return Plant(**values)
-    except PhysicsError as error:
-        raise SettingError(f'parameter {error}') from error
+def declare_set(node: Node, kind: type[_Set], *names: str) -> _Set:
+    """Declare the quantities of a parameter set, or those named, as parameters, and return the set they make.
 
+    Raises
+    ------
+    SettingError
+        A value is of another type or out of its range.
 
-def declare_settings(node: Node, kind: Any) -> Any:
-    """Declare the fields of an instrument's settings as parameters and return the settings they make."""
+    """
     values = {
-        field.name: declare(
-            node,
-            field.name,
-            field.default,
-            field.metadata['description'],
-            field.metadata['low'],
-            field.metadata['high'],
-        )
-        for field in fields(kind)
+        item.name: declare_quantity(node, kind, item.name) for item in describe(kind) if item.name in names or not names
     }
     try:
         return kind(**values)
-    except InstrumentError as error:
+    except KapitsaError as error:
         raise SettingError(f'parameter {error}') from error
 
 
-def declare_seed(node: Node) -> int:
-    """Declare the one seed from which every instrument draws a stream of its own."""
-    return int(declare(node, 'seed', 1, 'of all chance in the rig', 0, 2**63 - 1))
+def declare_quantity(node: Node, kind: type[ParameterSet], name: str, *, read_only: bool = True) -> Any:
+    """Declare one quantity of a parameter set as a parameter and return its value.
+
+    Raises
+    ------
+    SettingError
+        It is of another type or out of its range.
+
+    """
+    item = next(item for item in describe(kind) if item.name == name)
+    low = max(item.low, _LEAST) if item.above else item.low
+    return declare(node, name, item.default, description_of(item), low, item.high, read_only=read_only)
+
+
+def description_of(item: Quantity) -> str:
+    """Return symbol, meaning and unit of a quantity in ASCII, as `ros2 param describe` shows them."""
+    text = f'{f"{item.symbol}: " if item.symbol else ""}{item.description}{f", {item.unit}" if item.unit else ""}'
+    return ''.join(_ASCII.get(letter, letter) for letter in text)
 
 
 def versions() -> dict[str, str]:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from std_srvs.srv import Trigger
 
+from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.ros.parameters import declare
+from kapitsa_ros.ros.parameters import declare, declare_quantity
 from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 
 if TYPE_CHECKING:
@@ -36,10 +37,7 @@ class TimeControl:
     """
 
     def __init__(self, node: Node, *, next_step: Callable[[], StepId], reset: Callable[[], None]) -> None:
-        rate = declare(
-            node, 'rate', 0.0, 'simulated over wall seconds; 0: as fast as it can', 0.0, 1e4, read_only=False
-        )
-        self.pace = RealTimePacer(rate)
+        self.pace = RealTimePacer(declare_quantity(node, RigParameters, 'rate', read_only=False))
         self._steps = declare(node, 'steps', 1, 'steps that the service step makes', 1, 10**6, read_only=False)
         self._left: int | None = None
         """Steps until time stands still; None: it runs."""

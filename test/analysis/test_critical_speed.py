@@ -7,12 +7,12 @@ from scipy.stats import norm
 from kapitsa_ros.analysis.critical_speed import Bound, Evidence, Ruler, direct_fit, errors_in_variables
 from kapitsa_ros.analysis.critical_speed.evidence import undo_alias
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
-from kapitsa_ros.analysis.table import Readings, read_table
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
-from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
 SPEEDS = np.array([2240.0, 2640.0, 2780.0]) * RPM
@@ -122,7 +122,7 @@ def test_fall_above_a_speed_at_which_it_stood_bounds_nothing():
 
 
 def test_errors_in_variables_on_the_table_of_1997():
-    fit = errors_in_variables(read_table(resource_path('config', 'tables', '1997.csv')))
+    fit = errors_in_variables(load_table('1997'))
     assert fit.omega_crit / RPM == pytest.approx(1616.86, abs=0.01)
     assert fit.chi_squared < 0.1
     assert fit.interval[0] < fit.omega_crit < fit.interval[1] < 2240 * RPM

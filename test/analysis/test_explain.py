@@ -3,11 +3,11 @@ import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.explain import CAUSES, explain
-from kapitsa_ros.analysis.table import Readings, read_table
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.instruments.perfect_timing import timed_period
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
-from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
 IDEAL = Plant()
@@ -16,7 +16,7 @@ INCH = 0.0254
 
 @pytest.fixture(scope='module')
 def verdict():
-    return explain(read_table(resource_path('config', 'tables', '1997.csv')), IDEAL)
+    return explain(load_table('1997'), IDEAL)
 
 
 def of(verdict, name):
@@ -64,7 +64,7 @@ def test_no_cause_has_weight_where_none_fits():
 
 
 def test_readings_without_an_error_still_give_misfits():
-    table = read_table(resource_path('config', 'tables', '1997.csv'))
+    table = load_table('1997')
     exact = explain(Readings(table.forcing, table.period, np.zeros(3), np.zeros(3)), IDEAL)
     assert of(exact, 'inertia_factor').rms_misfit == pytest.approx(0.005, abs=1e-3)
 
@@ -78,7 +78,7 @@ def test_friction_is_not_less_than_none():
 
 def test_rod_that_cannot_swing_is_said_to():
     nine_metres = Plant(length=9.75)
-    verdict = explain(read_table(resource_path('config', 'tables', '1997.csv')), nine_metres)
+    verdict = explain(load_table('1997'), nine_metres)
     assert any('9.75in' in warning for warning in verdict.warnings)
 
 

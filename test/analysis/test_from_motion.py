@@ -6,8 +6,9 @@ import pytest
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.network.run import Run
-from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.units import RPM

@@ -3,15 +3,15 @@ import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
-from kapitsa_ros.analysis.table import Readings, read_table
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.configuration.tables import load_table, read_table
 from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
 
 @pytest.fixture
 def of_1997():
-    return read_table(resource_path('config', 'tables', '1997.csv'))
+    return load_table('1997')
 
 
 def table(tmp_path, text):

@@ -4,15 +4,16 @@ import pytest
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.sensitivity import sensitivity
-from kapitsa_ros.analysis.table import read_table
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.instruments.perfect_timing import swings_seen
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.laboratory.campaign import perform_all
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
-from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.operator.scripted import CATCH
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
-from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 
 IDEAL = Plant()
@@ -83,7 +84,7 @@ def test_a_plan_needs_a_swing():
 
 
 def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
-    table = read_table(resource_path('config', 'tables', '1997.csv'))
+    table = load_table('1997')
     deciding = best_separation(table, IDEAL, 'inertia_factor', 'large_swing')
     assert deciding.release == 0.05
     assert deciding.sigmas > 10
@@ -91,10 +92,18 @@ def test_a_small_swing_tells_a_wide_one_from_a_wrong_inertia():
 
 
 def test_cause_that_is_ruled_out_needs_no_further_measurement():
-    table = read_table(resource_path('config', 'tables', '1997.csv'))
+    table = load_table('1997')
     with pytest.raises(AnalysisError, match='ruled out already'):
         best_separation(table, IDEAL, 'inertia_factor', 'damping')
     with pytest.raises(AnalysisError, match='no cause'):
         best_separation(table, IDEAL, 'inertia_factor', 'ghosts')
     with pytest.raises(AnalysisError, match='name two'):
         best_separation(table, IDEAL, 'inertia_factor', 'inertia_factor')
+
+
+def test_the_time_between_two_timings_is_the_operators():
+    """D20: a timing more costs the plan what it costs the operator."""
+    few = cheapest_plan(IDEAL, OF_1997, 1.0)
+    runs = [sensitivity(IDEAL, speed, 0.12, few.swings) for speed in few.speeds]
+    shaken = sum(few.repeats * (0.75 + few.swings) * run.period for run in runs)
+    assert few.seconds - shaken == pytest.approx(len(runs) * (5.0 + few.repeats * CATCH))

@@ -21,19 +21,20 @@ import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.table import read_table
 from kapitsa_ros.bench.bench_clock import BenchClock
 from kapitsa_ros.bench.bench_state import BenchState
 from kapitsa_ros.bench.drawing import draw_dial, draw_marks, draw_rod, draw_ruler
 from kapitsa_ros.bench.notebook import Notebook, Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.tables import read_table
 from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.recording.reader import RunBag
@@ -165,8 +166,10 @@ class Graph:
 
     def __init__(self, state: BenchState, rpm: float, run: int = 1) -> None:
         self._desk = state
-        self._shaft = Jigsaw(amplitude=Plant().amplitude, phase=0.7, spin_up=1e12)
-        self._shaft.advance(rpm * RPM, 1e-9, 1)
+        run_up = 0.01  # s
+        parameters = JigsawParameters(phase=0.7 - rpm * RPM * run_up / 2, spin_up=1e5)
+        self._shaft = Jigsaw(amplitude=Plant().amplitude, parameters=parameters)
+        self._shaft.advance(rpm * RPM, run_up, 1)
         self._rpm = rpm
         self._step_id = StepId(run, 0)
 

@@ -25,6 +25,10 @@ def one_line(answer: Any, status: int, *words: str) -> None:
     [
         (['experiment', '--preset', 'perpetuum'], ['--preset', 'ideal']),
         (['experiment', '--instruments', '2026'], ['--instruments', '1997']),
+        (['experiment', '--instrument', 'reaction_time'], ['--instrument', 'NAME=VALUE']),
+        (['experiment', '--instrument', 'reaction_tim=1'], ['--instrument', 'reaction_tim', 'reaction_time']),
+        (['experiment', '--instrument', 'reaction_time=7'], ['--instrument', 'reaction_time', '[0, 1]']),
+        (['experiment', '--preset', '/no/such.yaml'], ['--preset', '/no/such.yaml', 'ideal']),
         (['experiment', '--protocol', 'nothing'], ['protocol', '1997']),
         (['experiment', '--length', 'nan'], ['--length', 'finite']),
         (['experiment', '--length', '-0.2'], ['length', 'above 0']),

@@ -10,8 +10,8 @@ pytest.importorskip('jinja2')
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.analysis.table import read_table
 from kapitsa_ros.cli.commands.report import report
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
@@ -33,12 +33,12 @@ def runs():
 
 @pytest.fixture(scope='module')
 def page(runs):
-    return render(gather(runs, read_table(resource_path('config', 'tables', '1997.csv')), experiments=2))
+    return render(gather(runs, load_table('1997'), experiments=2))
 
 
 @pytest.fixture(scope='module')
 def of_one_bag(runs):
-    return gather(runs[:1], read_table(resource_path('config', 'tables', '1997.csv')), experiments=1)
+    return gather(runs[:1], load_table('1997'), experiments=1)
 
 
 class _Reader(HTMLParser):

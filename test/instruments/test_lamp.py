@@ -4,12 +4,13 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import AFTERIMAGE, Lamp
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.strobe_images import look
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.units import RPM
 
 SPEED = 2500 * RPM
@@ -23,8 +24,10 @@ class Bench:
 
     def __init__(self, eye=EYE, phase=0.0):
         self.lamp = Lamp(eye, AMPLITUDE)
-        self._shaft = Jigsaw(amplitude=AMPLITUDE, phase=phase, spin_up=1e12)
-        self._shaft.advance(SPEED, 1e-9, 1)
+        run_up = 0.01  # s
+        parameters = JigsawParameters(phase=phase - SPEED * run_up / 2, spin_up=1e5)
+        self._shaft = Jigsaw(amplitude=AMPLITUDE, parameters=parameters)
+        self._shaft.advance(SPEED, run_up, 1)
         self._time = 0.0
 
     def run(self, steps):

@@ -3,8 +3,10 @@ from dataclasses import fields
 import pytest
 import yaml
 
+from kapitsa_ros.configuration.files import shipped_names
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.errors import SettingsError
-from kapitsa_ros.instruments.settings import INSTRUMENT_SETS, instruments_from, load_instruments
+from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.resources import resource_path
@@ -21,7 +23,7 @@ def test_ideal_set_neither_quantises_nor_reacts():
     assert ideal.stopwatch.reaction_time == ideal.stopwatch.reaction_jitter == ideal.stopwatch.display_resolution == 0
 
 
-@pytest.mark.parametrize('name', INSTRUMENT_SETS)
+@pytest.mark.parametrize('name', shipped_names('instruments'))
 def test_sets_name_every_parameter(name):
     text = resource_path('config', 'instruments', f'{name}.yaml').read_text()
     given = set(yaml.safe_load(text)['/**']['ros__parameters'])
@@ -54,6 +56,6 @@ def test_unknown_set_is_refused():
 
 
 def test_flat_parameters_are_sorted_into_their_instruments():
-    instruments = instruments_from({'dial_resolution': 2.0, 'reaction_time': 0.2})
+    instruments = Instruments.of({'dial_resolution': 2.0, 'reaction_time': 0.2})
     assert instruments.strobe == StrobeSettings(dial_resolution=2.0)
     assert instruments.stopwatch == StopwatchSettings(reaction_time=0.2)

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 from motions import blocks, swing
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.physics.sampled_motion import SampledMotion

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from motions import blocks, shaft
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.strobe import Strobe
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.physics.sampled_motion import SampledMotion

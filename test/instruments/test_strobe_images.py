@@ -4,10 +4,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.dial_search import raise_until_doubled, read_dial, standing_ratios
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.instruments.strobe_images import look, standing_images
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.units import RPM

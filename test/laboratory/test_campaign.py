@@ -4,12 +4,14 @@ import pytest
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import inverse
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import Outcome, perform, perform_all, summarise
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
-from kapitsa_ros.operator.protocol import Protocol, load_protocol
-from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.units import RPM

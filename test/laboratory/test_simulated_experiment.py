@@ -1,9 +1,9 @@
 """The virtual experiment and the graph of processes are one experiment."""
 
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.operator.protocol import load_protocol
-from kapitsa_ros.physics.plant import load_preset
 from kapitsa_ros.recording.reader import RunBag
 
 

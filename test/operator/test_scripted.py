@@ -4,11 +4,12 @@ from pathlib import Path
 
 import pytest
 
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.errors import ProtocolError
-from kapitsa_ros.operator.protocol import Protocol, load_protocol
+from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.operator.scripted import ScriptedOperator
 from kapitsa_ros.units import RPM
 
@@ -73,18 +74,18 @@ def test_the_protocol_of_1997() -> None:
         ('speeds: [null]', 'None is not a number'),
         ('speeds: [true]', 'True is not a number'),
         ('speeds: [1/0 Hz]', 'is not a number'),
-        ('speeds: [2240]\nrelease: [1]', 'is not a number'),
+        ('speeds: [2240]\nrelease: [1]', r'release is \[1\]: give a finite number in rad'),
         ('speeds: []', 'one or more positive speeds'),
         ('speeds: [-3]', 'one or more positive speeds'),
         ('speeds: [.nan]', 'one or more positive speeds'),
-        ('speeds: 2240', 'speeds is a list'),
-        ('speeds: [2240]\nswings: 0', 'swings: 0'),
-        ('speeds: [2240]\nswings: 2.5', 'swings: 2.5'),
-        ('speeds: [2240]\nrelease: 3', 'quarter turn'),
-        ('speeds: [2240]\nrelease: three', "'three' is not a number"),
-        ('speeds: [2240]\nswing: 3', 'a protocol has the keys'),
+        ('speeds: 2240', 'a list of speeds'),
+        ('speeds: [2240]\nswings: 0', 'swings is 0: it must lie in'),
+        ('speeds: [2240]\nswings: 2.5', 'swings is 2.5: give a whole number'),
+        ('speeds: [2240]\nrelease: 3', 'release is 3.0: it must lie in'),
+        ('speeds: [2240]\nrelease: three', "release is 'three': give a finite number"),
+        ('speeds: [2240]\nswing: 3', 'no parameter swing'),
         ('speeds: [2240', 'is not YAML'),
-        ('- 1', 'a protocol has the keys'),
+        ('- 1', 'names and values'),
     ],
 )
 def test_a_bad_protocol_is_refused_by_name(tmp_path: Path, text: str, complaint: str) -> None:

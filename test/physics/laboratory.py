@@ -6,13 +6,14 @@ import numpy as np
 from hypothesis import strategies as st
 
 from kapitsa_ros.physics.jigsaw import Jigsaw
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
 
 
 def jigsaw_at(speed, *, amplitude=0.0127, rod_ratio=0.0):
     """Return a jigsaw that turns at `speed`, rad/s, and stands at the bottom of its stroke."""
-    jigsaw = Jigsaw(amplitude=amplitude, rod_ratio=rod_ratio, spin_up=1e9, max_speed=1e4)
+    jigsaw = Jigsaw(amplitude=amplitude, parameters=JigsawParameters(rod_ratio=rod_ratio, spin_up=1e5, max_speed=1e4))
     jigsaw.advance(speed, 4 * math.pi / speed, 8)
     return jigsaw
 

@@ -7,12 +7,13 @@ import pytest
 
 from kapitsa_ros.physics.errors import MotionError, ParameterError
 from kapitsa_ros.physics.jigsaw import Jigsaw, crank
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 
 LAMBDA = 0.0127
 
 
 def test_pure_cosine_is_the_reports():
-    jigsaw = Jigsaw(amplitude=LAMBDA, spin_up=1e9, phase=0.3)
+    jigsaw = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(spin_up=1e5, phase=0.3))
     jigsaw.advance(250.0, 0.1, 10)
     start = jigsaw.phi
     block = jigsaw.advance(250.0, 0.1, 100)
@@ -47,7 +48,7 @@ def test_a_very_long_rod_gives_the_pure_cosine():
 
 
 def test_blocks_join_in_phase_and_speed_while_running_up():
-    jigsaw = Jigsaw(amplitude=LAMBDA, rod_ratio=4, spin_up=400.0)
+    jigsaw = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(rod_ratio=4, spin_up=400.0))
     blocks = [jigsaw.advance(230.0, 0.1, 100) for _ in range(12)]
     for before, after in pairwise(blocks):
         assert after.position[0] == pytest.approx(before.position[-1], abs=1e-15)
@@ -56,7 +57,7 @@ def test_blocks_join_in_phase_and_speed_while_running_up():
 
 
 def test_speed_reaches_the_target_at_the_end_of_a_step():
-    jigsaw = Jigsaw(amplitude=LAMBDA, spin_up=500.0)
+    jigsaw = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(spin_up=500.0))
     speeds = []
     for _ in range(5):
         jigsaw.advance(130.0, 0.1, 10)
@@ -67,7 +68,7 @@ def test_speed_reaches_the_target_at_the_end_of_a_step():
 
 
 def test_acceleration_is_the_derivative_of_the_rate_while_running_up():
-    block = Jigsaw(amplitude=LAMBDA, rod_ratio=3, spin_up=900.0).advance(90.0, 0.1, 4000)
+    block = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(rod_ratio=3, spin_up=900.0)).advance(90.0, 0.1, 4000)
     middle = (block.rate[2:] - block.rate[:-2]) / (2 * block.period)
     np.testing.assert_allclose(middle, block.acceleration[1:-1], rtol=0, atol=1e-4 * np.abs(block.acceleration).max())
 
@@ -75,7 +76,7 @@ def test_acceleration_is_the_derivative_of_the_rate_while_running_up():
 def test_phase_loses_nothing_over_many_steps():
     """The phase after many steps is the rational one to the last bit."""
     speed = 2 * math.pi * 40.005
-    jigsaw = Jigsaw(amplitude=LAMBDA, spin_up=1e9)
+    jigsaw = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(spin_up=1e5))
     jigsaw.advance(speed, 0.1, 1)
     start = jigsaw.phi
     for _ in range(10_000):
@@ -87,7 +88,7 @@ def test_phase_loses_nothing_over_many_steps():
 
 
 def test_a_resting_jigsaw_keeps_still():
-    block = Jigsaw(amplitude=LAMBDA, phase=1.0).advance(0.0, 0.1, 10)
+    block = Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(phase=1.0)).advance(0.0, 0.1, 10)
     assert np.ptp(block.position) == 0
     assert not block.rate.any()
     assert not block.acceleration.any()
@@ -96,7 +97,7 @@ def test_a_resting_jigsaw_keeps_still():
 @pytest.mark.parametrize('speed', [-1.0, math.nan, math.inf, 421.0])
 def test_a_speed_it_cannot_do(speed):
     with pytest.raises(MotionError, match='speed'):
-        Jigsaw(amplitude=LAMBDA, max_speed=420.0).advance(speed, 0.1, 100)
+        Jigsaw(amplitude=LAMBDA, parameters=JigsawParameters(max_speed=420.0)).advance(speed, 0.1, 100)
 
 
 @pytest.mark.parametrize(
@@ -114,7 +115,7 @@ def test_a_speed_it_cannot_do(speed):
 )
 def test_bad_parameters(wrong):
     with pytest.raises(ParameterError, match=next(iter(wrong))):
-        Jigsaw(**{'amplitude': LAMBDA, **wrong})
+        Jigsaw(amplitude=wrong.pop('amplitude', LAMBDA), parameters=JigsawParameters(**wrong))
 
 
 @pytest.mark.parametrize(('duration', 'count'), [(0.0, 10), (-0.1, 10), (math.nan, 10), (0.1, 0)])

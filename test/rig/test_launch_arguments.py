@@ -15,7 +15,10 @@ from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from, rig_from
 
 CHECKOUT = Path(__file__).parents[2]
-SAID = {'preset': 'bearing', 'instruments': '1997', 'protocol': '1997', 'rate': '2', 'seed': '7', 'bags': 'runs'}
+SAID = {
+    'preset': 'bearing', 'plant': '', 'instruments': '1997', 'instrument': '', 'protocol': '1997', 'rate': '2',
+    'seed': '7', 'bags': 'runs',
+}  # fmt: skip
 
 
 def test_text_becomes_a_rig(tmp_path: Path) -> None:
@@ -33,7 +36,7 @@ def test_text_becomes_a_rig(tmp_path: Path) -> None:
         ('rate', 'nan', 'rate:=nan: '),
         ('seed', '-1', 'seed:=-1: '),
         ('seed', '1.5', 'seed:=1.5: '),
-        ('preset', 'nope', "unknown preset 'nope'"),
+        ('preset', 'nope', "no preset 'nope'"),
         ('protocol', '/no/such', "no protocol '/no/such'"),
         ('bags', '/proc/x', 'bags:=/proc/x: '),
     ],

@@ -23,6 +23,8 @@ from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.network import registry
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
@@ -30,8 +32,7 @@ from kapitsa_ros.network.registry import MOTION, PIVOT, RECORDED
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
-from kapitsa_ros.operator.protocol import load_protocol
-from kapitsa_ros.physics.plant import Plant, load_preset
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.domain import reserved_domain

@@ -14,6 +14,7 @@ from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA, dial_sigma
 from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
+from kapitsa_ros.operator.scripted import CATCH
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.units import RPM
@@ -36,7 +37,6 @@ _SWINGS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20)
 _REPEATS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _SET_UP = 5.0  # s: the shaft runs up, the strobe is read
 _FLOOR = 1e-5  # relative error of a period, as in the direct fit
-_CATCH = 1.0  # s between two timings
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +108,7 @@ def _fewest_repeats(
         swings=swings,
         repeats=repeats,
         expected_percent=expected(repeats),
-        seconds=sum(_SET_UP + repeats * (_CATCH + (0.75 + swings) * run.period) for run in runs),
+        seconds=sum(_SET_UP + repeats * (CATCH + (0.75 + swings) * run.period) for run in runs),
     )
 
 

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.cli.options import instrument_options, plant_options, real_time_option
+from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
 from kapitsa_ros.rig.errors import RigError
 
 if TYPE_CHECKING:
+    from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
 
 @click.command()
 @plant_options
 @instrument_options
-@click.option('--seed', type=click.IntRange(0, 2**63 - 1), default=1, show_default=True, help='of all chance')
+@click.option('--seed', type=SEED, default=1, show_default=True, help='of all chance')
 @click.option(
     '--bags', type=click.Path(path_type=Path), help='folder for the runs  [default: bench_01, or the next that is free]'
 )
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
     '--table', type=click.Path(path_type=Path), help='CSV file for your readings  [default: named like the folder]'
 )
 @real_time_option
-def bench(*, plant: Plant, instruments: str, seed: int, bags: Path | None, table: Path | None, rate: float) -> None:
+def bench(
+    *, plant: Plant, instruments: Instruments, seed: int, bags: Path | None, table: Path | None, rate: float
+) -> None:
     """Turn the knobs yourself: a screen for the terminal, with lamp, stopwatch and a table of your own.
 
     Press ? there for the keys. What you write down goes to a CSV file that `kapitsa reduce` takes; the runs go to bags,

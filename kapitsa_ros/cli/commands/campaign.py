@@ -12,14 +12,14 @@ from rich.progress import track
 
 from kapitsa_ros.analysis.critical_speed import true_threshold
 from kapitsa_ros.cli.options import instrument_options, json_option, plant_options, print_json
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.operator.protocol import load_protocol
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.laboratory.campaign import Campaign
     from kapitsa_ros.physics.plant import Plant
 
@@ -32,12 +32,10 @@ if TYPE_CHECKING:
 @instrument_options
 @json_option
 def campaign(
-    *, experiments: int, protocol: str, scheduler: str | None, plant: Plant, instruments: str, as_json: bool
+    *, experiments: int, protocol: str, scheduler: str | None, plant: Plant, instruments: Instruments, as_json: bool
 ) -> None:
     """Carry out many whole experiments in process, and count how often their intervals tell the truth."""
-    experiment = SimulatedExperiment(
-        plant=plant, instruments=load_instruments(instruments), protocol=load_protocol(protocol), seed=0
-    )
+    experiment = SimulatedExperiment(plant=plant, instruments=instruments, protocol=load_protocol(protocol), seed=0)
     workers = DaskCluster(scheduler) if scheduler else Cores()
     begin = time.perf_counter()
     stream = perform_all(experiment, experiments, workers)

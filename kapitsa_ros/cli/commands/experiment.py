@@ -13,6 +13,7 @@ from kapitsa_ros.recording.writer import STORAGES
 from kapitsa_ros.rig.setup import Setup
 
 if TYPE_CHECKING:
+    from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
 def experiment(
     *,
     plant: Plant,
-    instruments: str,
+    instruments: Instruments,
     seed: int,
     bags: Path,
     protocol: str,

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.analysis.table import read_table
 from kapitsa_ros.cli.options import SPEED, json_option, plant_options, print_json
-from kapitsa_ros.resources import resource_path
+from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.rig.errors import UsageError
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ def _draw(plant: Plant, speed: float) -> dict[int, Figure]:
         raise UsageError(
             f'figures need {error.name}: run `make setup`, or pip install "kapitsa_ros[report]"'
         ) from error
-    table = read_table(resource_path('config', 'tables', '1997.csv'))
+    table = load_table('1997')
     return {
         2: draw.stability_boundaries(plant, table.forcing.tolist()),
         4: draw.time_history(plant, speed),

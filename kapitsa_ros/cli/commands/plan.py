@@ -11,12 +11,12 @@ from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.cheapest import FASTEST
 from kapitsa_ros.cli.options import ANGLE, SPEED, instrument_options, json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
-from kapitsa_ros.instruments.settings import load_instruments
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.plan import Separation
     from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
 _APART = 2.0  # standard errors; closer values are not told apart
@@ -48,14 +48,14 @@ def plan(
     max_speed: float,
     between: tuple[str, str],
     plant: Plant,
-    instruments: str,
+    instruments: Instruments,
     as_json: bool,
 ) -> None:
     """Find the cheapest protocol whose 95 % interval is within ±TARGET per cent of the critical speed.
 
     Beside it stands the one measurement that best tells two explanations of TABLE (by default that of 1997) apart.
     """
-    found = cheapest_plan(plant, load_instruments(instruments), target, release, max_speed)
+    found = cheapest_plan(plant, instruments, target, release, max_speed)
     deciding = best_separation(readings, plant, *between)
     if as_json:
         print_json(

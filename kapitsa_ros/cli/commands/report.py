@@ -24,14 +24,13 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
         import matplotlib as mpl  # noqa: F401, PLC0415
     except ImportError as error:
         raise RigError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
-    from kapitsa_ros.analysis.table import read_table  # noqa: PLC0415
     from kapitsa_ros.cli.options import print_json  # noqa: PLC0415
+    from kapitsa_ros.configuration.tables import load_table  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
-    from kapitsa_ros.resources import resource_path  # noqa: PLC0415
 
     runs = [RunBag(path).recorded for path in bags]
-    page = render(gather(runs, read_table(resource_path('config', 'tables', '1997.csv'))))
+    page = render(gather(runs, load_table('1997')))
     output.write_text(page, encoding='utf-8')
     if as_json:
         print_json({'output': str(output)})

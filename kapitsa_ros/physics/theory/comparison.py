@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.physics.theory.averaged import slow_frequency_averaged
@@ -37,7 +37,7 @@ def compare_theories(plant: Plant, speed: float, release: float, phase: float = 
         The rod does not swing round upright.
 
     """
-    smooth = replace(plant, damping=0.0, coulomb=0.0, clearance=0.0)
+    smooth = plant.without_losses()
     truth = slow_frequency_nonlinear(smooth, speed, release, phase)
     swing = slow_swing(smooth, speed, release, phase)
     answers = (

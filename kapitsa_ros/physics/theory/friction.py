@@ -68,6 +68,6 @@ def buzz_angle(plant: Plant, speed: float) -> float:
     """
     if plant.coulomb == 0:
         return 0.0
-    small = replace(plant, coulomb=1e-3, clearance=0.0)
+    small = replace(plant.without_losses(), damping=plant.damping, coulomb=1e-3)
     rest = Release(plant=small, speed=speed, angle=10.0 * stuck_zone(small, speed), linear=True)
     return abs(float(rest.strobed(SETTLING_TURNS).angle[-1])) * plant.coulomb / small.coulomb

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
@@ -46,7 +45,7 @@ def slow_frequency_nonlinear(plant: Plant, speed: float, release: float, phase: 
     """
     if release == 0:
         raise ParameterError('release is 0 rad: an upright rod does not swing, give an angle')
-    smooth = replace(plant, damping=0.0, coulomb=0.0, clearance=0.0)
+    smooth = plant.without_losses()
     linear = slow_frequency_exact(smooth, speed)
     if linear is None or 2.0 * linear >= speed:  # half the speed is the upper edge of stability
         raise PhysicsError(f'at {speed:.6g} rad/s the upright is not stable: there is no slow oscillation')

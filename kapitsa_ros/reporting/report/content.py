@@ -13,12 +13,13 @@ from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, readings_of
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.line_fit import inverse, ordinary
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
-from kapitsa_ros.instruments.settings import load_instruments
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.operator.protocol import load_protocol
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.plant import PRESETS, Plant, load_preset
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 
 if TYPE_CHECKING:
@@ -161,7 +162,7 @@ def _truth(plant: Plant) -> float | None:
 def _plants() -> dict[str, Plant]:
     """Return the presets, and the rod as built on the bearing: its inertia is what no bearing mends."""
     kappa = load_preset('as_built_1997').inertia_factor
-    plants = {preset.replace('_', ' '): load_preset(preset) for preset in PRESETS}
+    plants = {preset.replace('_', ' '): load_preset(preset) for preset in ('ideal', 'bearing', 'as_built_1997')}
     return plants | {AS_BUILT_ON_BEARING: load_preset('bearing', {'inertia_factor': kappa})}
 
 

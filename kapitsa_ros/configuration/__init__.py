@@ -1,0 +1,1 @@
+"""What is chosen by name or file: presets, instrument sets, protocols, tables; and the parameters of rig and steps."""

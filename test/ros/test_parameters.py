@@ -1,0 +1,88 @@
+"""What `ros2 param describe` says is derived from the schema."""
+
+import pytest
+from rclpy.context import Context
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from kapitsa_ros.configuration.rig_parameters import RigParameters
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.parameters import declare_quantity, declare_set
+
+pytestmark = pytest.mark.xdist_group('processes')
+
+
+@pytest.fixture(scope='module')
+def context():
+    with reserved_domain() as domain:
+        context = Context()
+        context.init(domain_id=domain)
+        yield context
+        context.try_shutdown()
+
+
+@pytest.fixture
+def node_with(context):
+    """Return a function that makes a node which was given parameters."""
+    nodes = []
+
+    def make(**given):
+        overrides = [Parameter(name, value=value) for name, value in given.items()]
+        nodes.append(Node('declaring', context=context, parameter_overrides=overrides))
+        return nodes[-1]
+
+    yield make
+    for node in nodes:
+        node.destroy_node()
+
+
+def test_a_set_is_declared_with_defaults_ranges_and_meanings(node_with):
+    node = node_with(length=0.3)
+    assert declare_set(node, Plant) == Plant(length=0.3)
+    described = {name: node.describe_parameter(name) for name in ('length', 'gravity', 'restitution')}
+    assert described['length'].description == 'L: length of the uniform rod, m'
+    (length,), (restitution,) = (described[name].floating_point_range for name in ('length', 'restitution'))
+    assert (length.from_value, length.to_value) == (1e-6, 1e3)
+    assert (restitution.from_value, restitution.to_value) == (0.0, 1.0)
+    assert all(parameter.read_only for parameter in described.values())
+    assert all(parameter.description.isascii() for parameter in described.values())
+
+
+def test_fields_that_are_not_named_are_not_declared(node_with):
+    node = node_with()
+    declare_set(node, Plant, 'amplitude')
+    assert node.has_parameter('amplitude')
+    assert not node.has_parameter('length')
+
+
+def test_whole_numbers_have_whole_ranges(node_with):
+    node = node_with(seed=7)
+    assert declare_quantity(node, RigParameters, 'seed') == 7
+    (span,) = node.describe_parameter('seed').integer_range
+    assert (span.from_value, span.to_value) == (0, 2**63 - 1)
+
+
+def test_some_may_be_changed(node_with):
+    node = node_with()
+    declare_quantity(node, RigParameters, 'rate', read_only=False)
+    assert node.set_parameters([Parameter('rate', value=2.0)])[0].successful
+    assert not node.set_parameters([Parameter('rate', value=-1.0)])[0].successful
+
+
+@pytest.mark.parametrize(
+    ('kind', 'given', 'complaint'),
+    [
+        (Plant, {'length': 1}, 'length must be a double: write 1.0 for 1'),
+        (Plant, {'length': -1.0}, 'length is -1.0'),
+        (Plant, {'clearance': 0.5}, 'below failure_clearance'),
+        (JigsawParameters, {'rod_ratio': 0.5}, 'rod_ratio is 0.5: it must be above 1'),
+        (StopwatchSettings, {'reaction_time': float('nan')}, 'reaction_time is nan'),
+    ],
+)
+def test_what_cannot_be_is_an_error_of_the_setting(node_with, kind, given, complaint):
+    with pytest.raises(SettingError, match=f'^parameter {complaint}' if 'below' not in complaint else complaint):
+        declare_set(node_with(**given), kind)
