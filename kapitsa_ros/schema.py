@@ -157,9 +157,13 @@ def quantity(  # read as a line of a table
     return field(default=default, metadata={_KEY: described})
 
 
-@cache
-def describe(kind: Any) -> tuple[Quantity, ...]:
+def describe(kind: type) -> tuple[Quantity, ...]:
     """Return the quantities of a parameter set, in the order of its fields."""
+    return _described(kind)
+
+
+@cache
+def _described(kind: Any) -> tuple[Quantity, ...]:
     return tuple(replace(item.metadata[_KEY], name=item.name) for item in fields(kind) if _KEY in item.metadata)
 
 

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from kapitsa_ros.network.topics import ROLE_NAMES
 
+from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import node_environment
 

@@ -14,11 +14,11 @@ from typing import Any
 
 import pytest
 import rclpy
-from kapitsa_ros.network.topics import RECORDED, ROLE_NAMES, WRITTEN
 from rclpy.context import Context
 from rclpy.node import Node
 
 from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.network.registry import RECORDED, ROLE_NAMES, WRITTEN
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.node_group import NodeGroup

@@ -12,8 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from kapitsa_ros.network.topics import ROLE_NAMES
 
+from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
