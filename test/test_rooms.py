@@ -1,6 +1,7 @@
 """The house stands: imports point down, and only the nodes know ROS."""
 
 import ast
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,3 +39,22 @@ def test_imports_point_down(path: Path) -> None:
             assert ROOMS.index(parts[1]) <= ROOMS.index(room), f'{room} imports {name}'
         if parts[0] in ROS or parts[0].endswith(('_msgs', '_interfaces', '_srvs')):
             assert room in ('ros', 'nodes'), f'{room} imports {name}'
+
+
+STAND_ON = {
+    'ament_index_python', 'builtin_interfaces', 'click', 'diagnostic_msgs', 'distributed', 'domain_coordinator',
+    'jinja2',
+    'kapitsa_ros', 'launch', 'launch_ros', 'markupsafe', 'matplotlib',
+    'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
+    'pytest',
+    'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'std_msgs', 'std_srvs',
+    'textual', 'trajectory_msgs', 'yaml',
+}  # fmt: skip
+"""What setup.py and package.xml declare, by the name it is imported under."""
+
+
+@pytest.mark.parametrize('path', FILES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_what_is_imported_is_declared(path: Path) -> None:
+    """What another package happens to bring may go with its next release."""
+    foreign = {name.split('.')[0] for name in imported(path)} - set(sys.stdlib_module_names)
+    assert foreign <= STAND_ON, f'{path.relative_to(PACKAGE)} imports {foreign - STAND_ON}'

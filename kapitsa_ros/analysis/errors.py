@@ -9,3 +9,7 @@ class AnalysisError(KapitsaError, ValueError):
 
 class TableError(AnalysisError):
     """A table of readings cannot be used: missing columns, text, units mixed up, or too few different speeds."""
+
+
+class NothingTimedError(AnalysisError):
+    """No run was timed, so there is no critical speed: a value that does not exist, not a mistake."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
-from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import inverse, ordinary
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.network.errors import RunError
@@ -106,7 +106,7 @@ def ideal_rod(plant: Plant) -> Plant:
 def _reduce(plant: Plant, readings: Readings, evidence: Callable[[], Evidence]) -> Experiment:
     try:
         best = direct_fit(evidence(), Ruler(amplitude=plant.amplitude), plant.gravity)
-    except (AnalysisError, RunError):
+    except NothingTimedError:
         best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
 
 if TYPE_CHECKING:
@@ -30,10 +31,21 @@ class RecordedRun:
     """θ, rad, shape (N,)."""
 
     def free_swing(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the time since the last release, and the angle from there on."""
+        """Return the time since the last release, and the angle from there on.
+
+        Raises
+        ------
+        AnalysisError
+            No motion was recorded, or the pendulum never moved.
+
+        """
+        if self.angle.size < 2:
+            raise AnalysisError(f'{self.name}: no motion was recorded; analyse the readings instead')
         moving = np.abs(np.diff(self.angle)) > 0.0
+        if not moving.any():
+            raise AnalysisError(f'{self.name} shows no swing: the pendulum never moved')
         # friction may have stopped the rod at last: the swing is the last stretch of motion
-        last = int(np.flatnonzero(moving)[-1]) if moving.any() else 0
+        last = int(np.flatnonzero(moving)[-1])
         # it may also stick for a moment in every turn of the shaft: a hand holds for longer
         held = max(1, round(_HELD / float(np.median(np.diff(self.time)))))
         before = np.concatenate(((0,), np.cumsum(moving)))

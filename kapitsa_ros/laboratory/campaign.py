@@ -15,7 +15,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
-from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
 from kapitsa_ros.analysis.line_fit import inverse, ordinary
 from kapitsa_ros.instruments.random_streams import random_stream
 
@@ -79,7 +79,7 @@ def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
     evidence = evidence_of(seeded.runs())
     try:
         fit: CriticalSpeed | None = direct_fit(evidence, ruler, experiment.plant.gravity)
-    except AnalysisError:
+    except NothingTimedError:
         fit = None  # nothing was timed
     return Outcome(
         seed=seed,

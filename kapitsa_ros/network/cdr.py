@@ -60,6 +60,13 @@ def aligned(size: int, to: int) -> int:
     return -size % to
 
 
+def _unpack(form: struct.Struct, raw: bytes, at: int) -> tuple[int, ...]:
+    try:
+        return form.unpack_from(raw, at)
+    except struct.error as error:
+        raise WireError(f'not a numbered message: {error}') from error
+
+
 def read_step_id(raw: bytes) -> StepId:
     """Read the number of any message of the network.
 
@@ -77,8 +84,15 @@ def read_step_id(raw: bytes) -> StepId:
 
 
 def stamp_of(raw: bytes) -> int:
-    """Return the header's stamp, ns."""
-    seconds, nanoseconds = _STAMP.unpack_from(raw, len(_ENCAPSULATION))
+    """Return the header's stamp, ns.
+
+    Raises
+    ------
+    WireError
+        The bytes are too short.
+
+    """
+    seconds, nanoseconds = _unpack(_STAMP, raw, len(_ENCAPSULATION))
     return int(seconds * SECOND + nanoseconds)
 
 
@@ -89,8 +103,15 @@ def encode_header(stamp_ns: int, step_id: StepId) -> bytes:
 
 
 def header_size(raw: bytes) -> int:
-    """Return the size of encapsulation and header, bytes."""
-    (length,) = _LENGTH.unpack_from(raw, _STEP_ID_AT - _LENGTH.size)
+    """Return the size of encapsulation and header, bytes.
+
+    Raises
+    ------
+    WireError
+        The bytes are too short.
+
+    """
+    (length,) = _unpack(_LENGTH, raw, _STEP_ID_AT - _LENGTH.size)
     return int(_STEP_ID_AT + length)
 
 

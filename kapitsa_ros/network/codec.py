@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, ClassVar, Generic, TypeVar
 
-from kapitsa_ros.network.cdr import aligned, encode_header, header_size
+from kapitsa_ros.network.cdr import aligned, encode_header, header_size, read_step_id
 
 if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
@@ -56,7 +56,15 @@ class Codec(ABC, Generic[T]):
         return head + bytes(aligned(len(head), 4) if self.empty_body else 0) + self.empty_body
 
     def is_silence(self, raw: bytes) -> bool:
-        """Whether a message holds nothing but its number."""
+        """Whether a message holds nothing but its number.
+
+        Raises
+        ------
+        WireError
+            It does not even hold that.
+
+        """
+        read_step_id(raw)
         head = header_size(raw)
         size = head + aligned(head, 4) + len(self.empty_body)
         return len(raw) <= size + aligned(size, 4)  # on its way a message is padded to whole words

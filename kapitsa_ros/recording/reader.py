@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import sqlite3
-import struct
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import apsw
 import numpy as np
-from backports import zstd
-from rosbags.rosbag2 import Reader, ReaderError
+from rosbags.rosbag2 import Reader
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
@@ -36,17 +33,12 @@ from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
+    from os import PathLike
 
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
-_DAMAGE = (
-    ReaderError, OSError, ArithmeticError, LookupError, ValueError, MemoryError, TypeError, AttributeError,
-    struct.error, sqlite3.Error, apsw.Error, zstd.ZstdError,
-)  # fmt: skip
-"""What rosbags and the libraries below it raise for a damaged file."""
 _RUN_TOPICS = (COMMAND, *READINGS)
 """Those that make a run."""
 _REQUIRED = [role for role in RIG_ROLES if not role.optional]
@@ -80,8 +72,8 @@ class RunBag:
 
     """
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    def __init__(self, path: str | PathLike[str]) -> None:
+        self.path = path = Path(path)
         if not path.is_dir():
             raise BagError(f'{path} is no bag: give the folder of a run')
         if not (path / 'metadata.yaml').is_file():
@@ -96,7 +88,7 @@ class RunBag:
                 self.last_stamp_ns = reader.end_time - 1
                 self.format = _format_of(reader)
                 """Version of the bag's format; 0 for bags that state none."""
-        except _DAMAGE as error:
+        except Exception as error:  # rosbags raises whatever the libraries below it do
             raise BagError(f'{path} cannot be read: {error}') from error
         if self.format > FORMAT:
             raise BagError(
@@ -109,6 +101,10 @@ class RunBag:
         missing = [name for name in needed if name not in self.topics]
         if missing:
             raise BagError(f'{path} is no run of this rig: it lacks {", ".join(missing)}')
+
+    def __repr__(self) -> str:
+        """Return what it is and where."""
+        return f'RunBag({str(self.path)!r}, {self.messages} messages)'
 
     def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, stamp (ns) and bytes of the messages on the named topics, in the order of recording.
@@ -127,7 +123,7 @@ class RunBag:
                 # Without a connection rosbags would read them all.
                 for connection, stamp, data in reader.messages(wanted) if wanted else ():
                     yield connection.topic.removeprefix('/'), stamp, bytes(data)
-        except _DAMAGE as error:
+        except Exception as error:  # rosbags raises whatever the libraries below it do
             raise BagError(f'{self.path} is damaged: {error}') from error
 
     @cached_property
@@ -159,7 +155,7 @@ class RunBag:
             raise BagError(f'{self.path} is damaged: {error}') from error
         return builder.build(complete=steps[-1].id.end)
 
-    @property
+    @cached_property
     def complete(self) -> bool:
         """Whether the run came to its end."""
         try:

@@ -108,7 +108,7 @@ class DataflowNode(Node):
     def latch_settings(self, text: str) -> None:
         """Publish this node's settings for whoever records or analyses its runs, now or later."""
         settings = message_class(SETTINGS_TYPE)
-        self.create_publisher(settings, settings_topic(self.get_name()), LATCHED).publish(settings(data=text))
+        self.create_publisher(settings, settings_topic(self.role.name), LATCHED).publish(settings(data=text))
 
     def emit(self, topic: Topic[T], step_id: StepId, stamp_ns: int, value: T) -> None:
         """Publish a value as the message of a step."""

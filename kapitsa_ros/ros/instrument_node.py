@@ -47,6 +47,6 @@ class InstrumentNode(StepNode):
     def work(self, step: Step) -> None:
         """Watch one step."""
         if step.id.step == 0:
-            self._instrument = self.instrument(random_stream(self.seed, self.get_name(), step.id.run))
+            self._instrument = self.instrument(random_stream(self.seed, self.role.name, step.id.run))
         reading = self._instrument.observe(step.start, step[self._motion])
         self.emit(self._readings, step.id, step.stamp_ns, reading)

@@ -99,7 +99,10 @@ class RigClient(ListenerNode):
         while unread:
             with self._lock:
                 message = unread.popleft()
-            value = topic_named(topic).decode(message.raw)
+            try:
+                value = topic_named(topic).decode(message.raw)
+            except WireError:
+                continue  # somebody else's; the nodes of the rig say so
             if predicate is None or predicate(value):
                 return value
         return None

@@ -113,7 +113,7 @@ def test_laps_make_good_the_display_and_the_rhythm():
     stopwatch = StopwatchSettings(
         reaction_time=0.11, reaction_jitter=0.07, anticipation=0.5, display_resolution=0.01, persistence=0.03
     )
-    estimate = stopwatch_period([1.80, 1.90], 3, stopwatch)
+    estimate = stopwatch_period([1.80, 1.90], [3, 3], stopwatch)
     assert estimate.value == pytest.approx((1.85 + 0.005 + 0.055) / 3)
     assert estimate.sigma == pytest.approx(np.sqrt((2 * 0.07**2 + 0.01**2 / 12) / 2) / 3)
 
@@ -126,8 +126,8 @@ def test_laps_make_good_the_display_and_the_rhythm():
         (lambda: record(np.full(1000, np.nan)), 'finite'),
         (lambda: record(swing(0.1)), 'eight turns'),
         (lambda: SwingRecord(angle=np.zeros(1000), period=0.1, forcing=FORCING), 'more often'),
-        (lambda: stopwatch_period([], 3, StopwatchSettings()), 'no period'),
-        (lambda: stopwatch_period([0.0], 3, StopwatchSettings()), 'no period'),
+        (lambda: stopwatch_period([], [], StopwatchSettings()), 'no period'),
+        (lambda: stopwatch_period([0.0], [3], StopwatchSettings()), 'no period'),
     ],
 )
 def test_records_that_tell_nothing_say_why(make, message):

@@ -1,5 +1,6 @@
 """Bytes on the wire, held against rclpy's own and against garbage."""
 
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -133,9 +134,41 @@ def test_results_come_back_digit_for_digit() -> None:
 
 @given(st.binary(max_size=200))
 def test_garbage_is_refused_by_name(raw: bytes) -> None:
-    for decode in (read_step_id, registry.PIVOT.decode, registry.COMMAND.decode):
+    decoders = [decode for topic in registry.TOPICS for decode in (topic.decode, topic.codec.is_silence)]
+    for decode in (read_step_id, *decoders):
         with pytest.raises(WireError):
             decode(raw)
+
+
+@pytest.mark.parametrize('topic', registry.TOPICS, ids=lambda topic: topic.name)
+@given(st.data())
+def test_a_message_cut_short_is_refused_by_name_or_says_nothing_else(topic: Topic[Any], data: st.DataObject) -> None:
+    step_id = StepId(1, 3)
+    values = {
+        registry.COMMAND: Command(234.0, 0.12),
+        registry.PIVOT: samples(8),
+        registry.MOTION: samples(8),
+        registry.STROBE_READING: StrobeReading(time=0.5, speed=234.0),
+        registry.STOPWATCH_READING: StopwatchReading(pressed_at=0.5, displayed=1.8, swings=3, kind='timed'),
+        registry.RESULT: {'run 1': {'period_s': 0.6}},
+        registry.WRITTEN: None,
+    }
+    raw = topic.encode(STAMP, step_id, values[topic])
+    cut = raw[: data.draw(st.integers(0, len(raw) - 1))]
+    for use in (topic.decode, topic.codec.is_silence, read_step_id, stamp_of):
+        with suppress(WireError):
+            use(cut)
+
+
+@pytest.mark.parametrize('kind', ['timed', 'fell', 'stopped'])
+def test_a_timing_of_no_swing_is_refused(kind: str) -> None:
+    reading = StopwatchReading(pressed_at=0.5, displayed=1.8, swings=0, kind=kind)
+    raw = registry.STOPWATCH_READING.encode(STAMP, StepId(1, 3), reading)
+    if kind == 'timed':
+        with pytest.raises(WireError, match='0 swings'):
+            registry.STOPWATCH_READING.decode(raw)
+    else:
+        assert registry.STOPWATCH_READING.decode(raw) == reading
 
 
 @given(st.data())

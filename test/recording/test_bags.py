@@ -192,3 +192,10 @@ def test_a_bag_states_its_format_and_one_of_the_future_is_refused(tmp_path: Path
     metadata.write_text(text.replace("format: '1'", "format: '2'"))
     with pytest.raises(BagError, match='has format 2, this version reads up to 1: install a newer'):
         RunBag(path)
+
+
+def test_a_bag_is_opened_by_a_text_too_and_says_what_it_is(tmp_path: Path) -> None:
+    path = write(tmp_path / 'run_01_2240rpm')
+    bag = RunBag(str(path))
+    assert bag.run.period == 0.5
+    assert repr(bag) == f'RunBag({str(path)!r}, {bag.messages} messages)'

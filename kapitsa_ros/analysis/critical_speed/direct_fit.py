@@ -12,7 +12,7 @@ from scipy.optimize import OptimizeResult, brentq, least_squares
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.critical_speed.excess_scatter import excess_scatter, improbable, rise_95
 from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA, Likelihood
-from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.errors import NothingTimedError
 from kapitsa_ros.physics.plant import G_STANDARD
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
@@ -62,12 +62,12 @@ def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) ->
 
     Raises
     ------
-    AnalysisError
+    NothingTimedError
         No run was timed.
 
     """
     if not evidence.timed.period.size:
-        raise AnalysisError('no swing was timed in any run: time one')
+        raise NothingTimedError('no swing was timed in any run: time one')
     likelihood = Likelihood(evidence, ruler, gravity)
     found = _fitted(likelihood)
     stated = 2.0 * float(found.cost)

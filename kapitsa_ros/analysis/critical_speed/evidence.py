@@ -95,7 +95,7 @@ def evidence_of(runs: Sequence[Run]) -> Evidence:
         done = [reading for reading in run.timings if reading.kind == 'timed']
         if done:
             watch = _settings(run, 'stopwatch', StopwatchSettings)
-            lap = stopwatch_period([reading.displayed for reading in done], done[0].swings, watch)
+            lap = stopwatch_period([reading.displayed for reading in done], [reading.swings for reading in done], watch)
             rows.append((speed, lap.value, bound.sigma, lap.sigma, bound.release))
         for kind in {reading.kind for reading in run.timings} & bounds.keys():
             bounds[kind].append(bound)

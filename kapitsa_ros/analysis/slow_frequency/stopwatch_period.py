@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 
 
-def stopwatch_period(displayed: Sequence[float], swings: int, stopwatch: StopwatchSettings) -> SlowEstimate:
-    """Average the timings of `swings` full swings each into one period.
+def stopwatch_period(displayed: Sequence[float], swings: Sequence[int], stopwatch: StopwatchSettings) -> SlowEstimate:
+    """Fit one period to timings of some full swings each, by least squares.
 
     A display that truncates reads half a digit short on average, a thumb that anticipates presses early at the end:
     both are made good. Each timing errs by two presses and by what the last digit hides.
@@ -27,7 +27,7 @@ def stopwatch_period(displayed: Sequence[float], swings: int, stopwatch: Stopwat
     displayed
         What the stopwatch showed at the end of each timing, s.
     swings
-        Full swings a timing.
+        Full swings of each timing.
     stopwatch
         What is known of the stopwatch and of the person.
 
@@ -37,11 +37,15 @@ def stopwatch_period(displayed: Sequence[float], swings: int, stopwatch: Stopwat
         No timings, or timings of no length.
 
     """
-    shown = np.asarray(displayed, dtype=np.float64)
-    if not shown.size or swings < 1 or not (shown > 0.0).all():
+    shown, counted = np.asarray(displayed, dtype=np.float64), np.asarray(swings, dtype=np.float64)
+    if not shown.size or shown.shape != counted.shape or not ((counted >= 1.0) & (shown > 0.0)).all():
         raise AnalysisError('no period: give one timing or more, each longer than zero')
     digit = stopwatch.display_resolution
     early = stopwatch.anticipation * stopwatch.reaction_time
     variance = 2.0 * stopwatch.reaction_jitter**2 + digit**2 / 12.0
-    mean = float(shown.mean()) + 0.5 * digit + early
-    return SlowEstimate(value=mean / swings, sigma=math.sqrt(variance / shown.size) / swings)
+    weight = counted / counted.mean()
+    mean = float((weight * shown).mean()) + 0.5 * digit + early
+    return SlowEstimate(
+        value=mean / float((weight * counted).mean()),
+        sigma=math.sqrt(variance / shown.size) / math.sqrt(float((counted**2).mean())),
+    )

@@ -40,6 +40,8 @@ class StopwatchCodec(Codec[StopwatchReading | None]):
             case ['timed' | 'fell' | 'stopped' as kind, swings, 'swings'] if swings.isdecimal():
                 pressed = seconds_at(message.header.stamp, read_step_id(raw))
                 displayed = message.time_ref.sec + message.time_ref.nanosec / SECOND
+                if kind == 'timed' and int(swings) < 1:
+                    raise WireError('a stopwatch reading of 0 swings has no period')
                 return StopwatchReading(pressed_at=pressed, displayed=displayed, swings=int(swings), kind=kind)
             case _:
                 raise WireError(

@@ -1,0 +1,69 @@
+"""Runs as the graph and other recorders make them: what they lack is named, and each timing counts as it was read."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from kapitsa_ros.analysis.critical_speed import evidence_of
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
+from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.instruments.stopwatch import StopwatchReading
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.network.errors import RunError
+from kapitsa_ros.network.run import Run
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.units import RPM
+
+
+@pytest.fixture(scope='module')
+def runs(ideal_experiment: SimulatedExperiment) -> list[Run]:
+    return ideal_experiment.runs()
+
+
+@pytest.fixture(scope='module')
+def ideal_experiment() -> SimulatedExperiment:
+    from kapitsa_ros.configuration.instrument_sets import load_instruments
+    from kapitsa_ros.physics.plant import Plant
+
+    speeds = (2240 * RPM, 2640 * RPM)
+    return SimulatedExperiment(
+        plant=Plant(), instruments=load_instruments('ideal'), protocol=Protocol(speeds=speeds), seed=1
+    )
+
+
+def test_settings_that_do_not_describe_an_instrument_are_named(runs: list[Run]) -> None:
+    for broken in ({}, {'instrument': {}, 'seed': 1, 'extra': 0} | {'instrument': {'dial_end': -1.0}}):
+        run = dataclasses.replace(runs[0], settings={**runs[0].settings, 'strobe': broken})
+        with pytest.raises(RunError, match='run 1: its settings do not describe the strobe'):
+            reduce_runs([run, runs[1]])
+
+
+def test_runs_without_a_timing_have_no_critical_speed(runs: list[Run]) -> None:
+    untimed = [dataclasses.replace(run, readings={**run.readings, 'stopwatch': ()}) for run in runs]
+    assert reduce_runs(untimed).omega_crit is None
+
+
+def test_each_timing_is_divided_by_its_own_swings(runs: list[Run]) -> None:
+    timings = tuple(
+        StopwatchReading(pressed_at=time, displayed=displayed, swings=swings, kind='timed')
+        for time, displayed, swings in ((5.0, 2.0, 3), (10.0, 4.0, 6))
+    )
+    run = dataclasses.replace(runs[0], readings={**runs[0].readings, 'stopwatch': timings})
+    assert run.period == pytest.approx(2.0 / 3.0)
+    assert evidence_of([run]).timed.period == pytest.approx([2.0 / 3.0])
+
+
+@pytest.mark.parametrize(
+    ('angle', 'message'),
+    [
+        (np.array([]), 'no motion was recorded'),
+        (np.zeros(5000), 'shows no swing'),
+        (np.full(5000, 0.12), 'shows no swing'),
+    ],
+)
+def test_a_record_that_shows_no_swing_is_said_to_show_none(runs: list[Run], angle: np.ndarray, message: str) -> None:
+    time = np.arange(angle.size) / 1000.0
+    with pytest.raises(AnalysisError, match=message):
+        reduce_motions([RecordedRun(name='run_01', run=runs[0], time=time, angle=angle)])
