@@ -51,4 +51,4 @@ def study(plant: Plant, speed: float, release: float, duration: float, cycles: i
         err=as_json,
     )
     if as_json:
-        print_json({'results': results})
+        print_json({'verdicts': results})
