@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.line_fit import LineFit, inverse, ordinary
+from kapitsa_ros.analysis.line_fit import LineFit, fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -61,8 +61,8 @@ def drawn(draws: int) -> dict[str, dict[str, float]]:
     found: dict[str, list[float | None]] = {'ordinary': [], 'inverse': []}
     for _ in range(draws):
         readings = Readings(SPEEDS, periods + sigma * rng.standard_normal(3), np.zeros(3), np.full(3, sigma))
-        found['ordinary'].append(critical(ordinary, readings))
-        found['inverse'].append(critical(inverse, readings))
+        found['ordinary'].append(critical(fit_ols, readings))
+        found['inverse'].append(critical(fit_inverse_ols, readings))
     return {name: share(values) for name, values in found.items()}
 
 
@@ -72,8 +72,8 @@ def performed(experiments: int) -> dict[str, dict[str, float]]:
     experiment = SimulatedExperiment(plant=Plant(), instruments=instruments, protocol=load_protocol('1997'), seed=0)
     outcomes = list(perform_all(experiment, experiments))
     return {
-        'ordinary': share([outcome.ordinary for outcome in outcomes]),
-        'inverse': share([outcome.inverse for outcome in outcomes]),
+        'ordinary': share([outcome.ols for outcome in outcomes]),
+        'inverse': share([outcome.inverse_ols for outcome in outcomes]),
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
-from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -34,8 +34,8 @@ class Experiment:
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
     discrepancy: float | None
     """Relative error of the periods beyond the stated ones that makes the runs agree (see `direct_fit`)."""
-    inverse: float | None
-    ordinary: float | None
+    inverse_ols: float | None
+    ols: float | None
     predicted: float
     """By averaged theory for an ideal rod of this length and stroke (report, eq. 8)."""
     truth: float | None
@@ -112,8 +112,8 @@ def _reduce(plant: Plant, readings: Readings, evidence: Callable[[], Evidence]) 
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
         discrepancy=None if best is None else best.discrepancy,
-        inverse=_fit(inverse, readings),
-        ordinary=_fit(ordinary, readings),
+        inverse_ols=_fit(fit_inverse_ols, readings),
+        ols=_fit(fit_ols, readings),
         predicted=omega_crit_averaged(ideal_rod(plant)),
         truth=true_threshold(plant),
     )

@@ -28,7 +28,7 @@ class LineFit:
     """Of Ω² over ω², a plain ratio."""
 
 
-def ordinary(readings: Readings) -> LineFit:
+def fit_ols(readings: Readings) -> LineFit:
     """Fit Ω² on ω² by least squares, unweighted (eq. 15).
 
     Raises
@@ -42,7 +42,7 @@ def ordinary(readings: Readings) -> LineFit:
     return _line(slope, -intercept / slope if slope > 0.0 else math.nan)
 
 
-def inverse(readings: Readings) -> LineFit:
+def fit_inverse_ols(readings: Readings) -> LineFit:
     """Fit ω² on Ω² by least squares, unweighted: the fit of the report's Figure 3 and Table 3 (eq. 16).
 
     Raises

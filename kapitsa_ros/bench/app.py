@@ -92,12 +92,12 @@ class BenchApp(App[RigError]):
     #status { height: 1; background: $primary-background; }
     #seen { height: 1fr; }
     #read { height: 8; }
-    #rod, #marks, #knobs, #mine, #crew { border: round $primary; padding: 0 1; height: 100%; }
+    #rod, #marks, #knobs, #own_readings, #rig_readings { border: round $primary; padding: 0 1; height: 100%; }
     #rod { width: 1fr; }
     #marks { width: 22; }
     #knobs { width: 36; }
-    #mine { width: 36; }
-    #crew { width: 1fr; }
+    #own_readings { width: 36; }
+    #rig_readings { width: 1fr; }
     #messages { height: 3; padding: 0 1; color: $warning; }
     #question { height: 1; }
     #question Static { width: auto; padding: 0 0 0 1; }
@@ -129,8 +129,8 @@ class BenchApp(App[RigError]):
                 yield _panel('marks', 'under the lamp')
                 yield _panel('knobs', 'your hands')
             with Horizontal(id='read'):
-                yield _panel('mine', 'your table')
-                yield _panel('crew', "the rig's own crew reads")
+                yield _panel('own_readings', 'your table')
+                yield _panel('rig_readings', "what the rig's own instruments read")
             yield Static(id='messages')
             with Horizontal(id='question'):
                 yield Static(id='asked')

@@ -242,7 +242,7 @@ class BenchState:
     def _receive_result(self, result: dict[str, dict[str, float | None]]) -> None:
         for name, values in result.items():
             if name.startswith('run '):
-                self.notify(f'{name} is over; the crew read {_result_text(values)}')
+                self.notify(f'{name} is over; the rig read {_result_text(values)}')
 
 
 def _result_text(values: dict[str, float | None]) -> str:

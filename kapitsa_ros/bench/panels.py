@@ -128,8 +128,8 @@ PANELS: dict[str, Panel] = {
     'rod': rod,
     'marks': marks,
     'knobs': knobs,
-    'mine': own_readings,
-    'crew': rig_readings,
+    'own_readings': own_readings,
+    'rig_readings': rig_readings,
     'messages': messages,
 }
 """By name on the screen."""

@@ -19,7 +19,7 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Picture:
+class StrobeImages:
     """The images of one mark at one flash rate."""
 
     flash_phases: int
@@ -89,7 +89,7 @@ def distinct_images(lit: NDArray[np.float64], mark_width: float) -> tuple[NDArra
     return np.array([group.mean() for group in groups]), np.array([group.size / lit.size for group in groups])
 
 
-def look(flash_rate: float, shaft_speed: float, phase: float, eye: StrobeSettings) -> Picture:
+def look(flash_rate: float, shaft_speed: float, phase: float, eye: StrobeSettings) -> StrobeImages:
     """Show what is seen at any flash rate.
 
     At (p/q)·ω the mark is lit at p phases of the shaft. Nearby, those phases creep at ω − (q/p)·flash rate, and the
@@ -118,8 +118,8 @@ def look(flash_rate: float, shaft_speed: float, phase: float, eye: StrobeSetting
         drift = shaft_speed - q * flash_rate / p
         if abs(drift) <= eye.drift_limit + _ROUNDING * shaft_speed:
             heights, shares = standing_images(p, phase, eye.mark_width)
-            return Picture(flash_phases=p, revolutions=q, drift=drift, heights=heights, shares=shares)
-    return Picture(flash_phases=0, revolutions=0, drift=math.inf, heights=np.empty(0), shares=np.empty(0))
+            return StrobeImages(flash_phases=p, revolutions=q, drift=drift, heights=heights, shares=shares)
+    return StrobeImages(flash_phases=0, revolutions=0, drift=math.inf, heights=np.empty(0), shares=np.empty(0))
 
 
 def faintest(eye: StrobeSettings) -> int:

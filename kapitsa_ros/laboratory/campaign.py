@@ -16,7 +16,7 @@ import numpy as np
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
-from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.instruments.random_streams import random_stream
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ class Outcome:
     omega_crit: float | None
     """By the direct fit; None where the readings gave none."""
     interval: tuple[float | None, float | None]
-    ordinary: float | None
-    inverse: float | None
+    ols: float | None
+    inverse_ols: float | None
     seconds: float
     """Of computing."""
 
@@ -85,8 +85,8 @@ def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
         seed=seed,
         omega_crit=fit.omega_crit if fit else None,
         interval=fit.interval if fit else (None, None),
-        ordinary=_line(ordinary, evidence),
-        inverse=_line(inverse, evidence),
+        ols=_line(fit_ols, evidence),
+        inverse_ols=_line(fit_inverse_ols, evidence),
         seconds=time.process_time() - begin,
     )
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -56,7 +56,7 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
     table = _table('Table 3: critical stabilising forcing frequency', '', '1997', 'rig')
     readings = load_table('1997')
     predicted = omega_crit_averaged(Plant())
-    fitted = {'inverse_rpm': inverse(readings).omega_crit, 'ols_rpm': ordinary(readings).omega_crit}
+    fitted = {'inverse_rpm': fit_inverse_ols(readings).omega_crit, 'ols_rpm': fit_ols(readings).omega_crit}
     for label, key in (('experiment: ω² on Ω², as in 1997', 'inverse_rpm'), ('experiment: Ω² on ω²', 'ols_rpm')):
         table.add_row(label, _number((fitted[key] or 0) / RPM, '.1f', ' RPM'), _number(values[key], '.1f', ' RPM'))
     table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))

@@ -59,7 +59,7 @@ def main(arguments: list[str] | None = None) -> int:
             node.close()
         status = 0
     except (KapitsaError, OSError) as error:
-        status = getattr(error, 'exit_status', FAILED)
+        status = WRONG_INPUT if isinstance(error, SettingError) else FAILED
         if node is not None:
             node.fail(error)
         print(f'{role}: error: {error}', file=sys.stderr, flush=True)

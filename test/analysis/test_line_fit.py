@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols, slope_ratio
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.configuration.tables import load_table, read_table
 from kapitsa_ros.physics.plant import Plant
@@ -26,20 +26,20 @@ def readings(forcing_rpm, period):
 
 
 def test_table_3_of_1997(of_1997):
-    assert ordinary(of_1997).omega_crit / RPM == pytest.approx(1636.2478343616735, rel=1e-12)
-    assert inverse(of_1997).omega_crit / RPM == pytest.approx(1639.9930403128913, rel=1e-12)
-    assert slope_ratio(ordinary(of_1997), Plant()) == pytest.approx(0.5145201140312049, rel=1e-12)
+    assert fit_ols(of_1997).omega_crit / RPM == pytest.approx(1636.2478343616735, rel=1e-12)
+    assert fit_inverse_ols(of_1997).omega_crit / RPM == pytest.approx(1639.9930403128913, rel=1e-12)
+    assert slope_ratio(fit_ols(of_1997), Plant()) == pytest.approx(0.5145201140312049, rel=1e-12)
 
 
 def test_printed_slow_speeds_give_another_figure():
     rounded = readings([2240, 2640, 2780], [60 / 60, 60 / 80, 60 / 88])
-    assert ordinary(rounded).omega_crit / RPM == pytest.approx(1629.3673457477657, rel=1e-12)
+    assert fit_ols(rounded).omega_crit / RPM == pytest.approx(1629.3673457477657, rel=1e-12)
 
 
 def test_exact_line_is_given_back_both_ways():
     forcing, omega_crit, slope = np.array([1800.0, 2300.0, 2900.0]), 1354.8, 0.0029
     slow = np.sqrt(slope * (forcing**2 - omega_crit**2))
-    for fit in (ordinary, inverse):
+    for fit in (fit_ols, fit_inverse_ols):
         line = fit(readings(forcing, 60 / slow))
         assert (line.omega_crit / RPM, line.slope) == pytest.approx((omega_crit, slope), rel=1e-10)
 
@@ -96,12 +96,12 @@ def test_file_that_is_not_there(tmp_path):
     ],
 )
 def test_runs_without_a_line_say_why(rpm, period, message):
-    for fit in (ordinary, inverse):
+    for fit in (fit_ols, fit_inverse_ols):
         with pytest.raises(TableError, match=message):
             fit(readings(rpm, period))
 
 
 def test_line_that_meets_no_real_speed_has_no_critical_one():
     steep = readings([2000, 2100], [1.0, 0.99])
-    assert ordinary(steep).omega_crit is None
-    assert inverse(steep).omega_crit is None
+    assert fit_ols(steep).omega_crit is None
+    assert fit_inverse_ols(steep).omega_crit is None

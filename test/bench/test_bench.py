@@ -253,7 +253,7 @@ def test_the_desk_tells_what_happens(state: BenchState):
     assert list(state.rig_readings) == [(1, reading)]
     result = {'run 1': {'speed_reading_rpm': 2240.0, 'period_s': 0.61, 'slow_rpm': 98.4, 'fell': True}}
     state.receive([News('analyser/result', StepId(1, 6, end=True), result)], 1.0)
-    assert state.messages[-1] == 'run 1 is over; the crew read 2240 RPM, a period of 0.610 s'
+    assert state.messages[-1] == 'run 1 is over; the rig read 2240 RPM, a period of 0.610 s'
     Graph(state, 0, run=2).notify(1)
     assert state.run == 2
     graph.notify(1, angle=1.0)  # a straggler of the earlier run
@@ -422,7 +422,7 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
     del replayed['realtime_factor']
     assert replayed == read
     for run in read['runs']:
-        said = f'the crew read {run["speed_reading_rpm"]:.6g} RPM, a period of {run["period_s"]:.3f} s'
+        said = f'the rig read {run["speed_reading_rpm"]:.6g} RPM, a period of {run["period_s"]:.3f} s'
         assert any(said in line for line in state.messages)
     answer = kapitsa('reduce', tmp_path / 'mine.csv', '--json').json
     assert answer['inverse_rpm'] is not None

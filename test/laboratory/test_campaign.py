@@ -3,7 +3,7 @@ import pytest
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.line_fit import inverse
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -95,7 +95,7 @@ def test_outcomes_come_in_the_order_of_their_seeds_wherever_they_are_computed():
     assert [outcome.seed for outcome in here] == [1, 2, 3, 4, 5, 6]
     pooled = list(perform_all(experiment(), 6))
     assert [(o.omega_crit, o.interval) for o in pooled] == [(o.omega_crit, o.interval) for o in here]
-    assert here[0].inverse == inverse(evidence_of(experiment().runs()).timed).omega_crit
+    assert here[0].inverse_ols == fit_inverse_ols(evidence_of(experiment().runs()).timed).omega_crit
 
 
 def test_experiment_without_a_timing_is_failed_and_not_wrong():
@@ -109,7 +109,7 @@ def test_experiment_without_a_timing_is_failed_and_not_wrong():
 
 def test_summary_counts_truth_width_and_open_ends():
     def outcome(low, high):
-        return Outcome(seed=0, omega_crit=1.0, interval=(low, high), ordinary=None, inverse=None, seconds=0.5)
+        return Outcome(seed=0, omega_crit=1.0, interval=(low, high), ols=None, inverse_ols=None, seconds=0.5)
 
     summary = summarise([outcome(0.5, 2.0), outcome(1.5, 2.5), outcome(None, 2.0), outcome(None, 0.5)], 1.0, 1.0, 2)
     assert summary.coverage == 0.5

@@ -9,7 +9,7 @@ from laboratory import swing
 from scipy.optimize import brentq
 from truth import ENTRIES, matching_digits, plant_of, speed_of
 
-from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols, slope_ratio
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.release import Release
@@ -40,7 +40,7 @@ def readings(params):
 def with_the_slope_of_theory(params):
     """Return ω_crit of the line through the mean point."""
     taken, plant = readings(params), plant_of(params)
-    line = ordinary(taken)
+    line = fit_ols(taken)
     slope = line.slope / slope_ratio(line, plant)
     return math.sqrt(np.mean(taken.forcing**2) - np.mean(taken.slow**2) / slope) / RPM
 
@@ -110,9 +110,9 @@ ANSWERS = {
     'growth': (lambda params: theory.growth_rate(plant_of(params), speed_of(params)), EXACT),
     'nl_': (nonlinear, EXACT),
     'drift': (drift, 12),
-    'fit_ols': (lambda params: ordinary(readings(params)).omega_crit / RPM, EXACT),
-    'fit_ols_slope_ratio': (lambda params: slope_ratio(ordinary(readings(params)), plant_of(params)), EXACT),
-    'fit_inverse': (lambda params: inverse(readings(params)).omega_crit / RPM, EXACT),
+    'fit_ols': (lambda params: fit_ols(readings(params)).omega_crit / RPM, EXACT),
+    'fit_ols_slope_ratio': (lambda params: slope_ratio(fit_ols(readings(params)), plant_of(params)), EXACT),
+    'fit_inverse': (lambda params: fit_inverse_ols(readings(params)).omega_crit / RPM, EXACT),
     'fit_slope_fixed': (with_the_slope_of_theory, EXACT),
     'fit_intercept_fixed': (with_the_intercept_of_theory, EXACT),
     # These were published with the digits that their own computation had.

@@ -18,7 +18,7 @@ from rclpy.context import Context
 from rclpy.node import Node
 
 from kapitsa_ros.configuration.presets import load_preset
-from kapitsa_ros.network.registry import RECORDED, ROLE_NAMES, WRITTEN
+from kapitsa_ros.network.registry import RECORDED, ROLE_NAMES, WRITTEN, readers_of, writer_of
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.node_group import NodeGroup
@@ -77,9 +77,11 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMon
             seen = dict(spectator.get_topic_names_and_types())
             for topic in (*RECORDED, WRITTEN):
                 assert seen[f'/{topic.name}'] == [topic.type]
-                assert [end.node_name for end in spectator.get_publishers_info_by_topic(topic.name)] == [topic.writer]
+                assert [end.node_name for end in spectator.get_publishers_info_by_topic(topic.name)] == [
+                    writer_of(topic).name
+                ]
                 readers = {end.node_name for end in spectator.get_subscriptions_info_by_topic(topic.name)}
-                assert set(topic.readers) & set(ROLE_NAMES) <= readers
+                assert set(readers_of(topic)) & set(ROLE_NAMES) <= readers
             for topic, kind in (('/joint_states', 'sensor_msgs/msg/JointState'), ('/clock', 'rosgraph_msgs/msg/Clock')):
                 assert seen[topic] == [kind]
         finally:  # before the others leave: see nodes/departure.py

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.analysis.critical_speed import errors_in_variables
-from kapitsa_ros.analysis.line_fit import inverse, ordinary, slope_ratio
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols, slope_ratio
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -28,7 +28,7 @@ def reduce(readings: Readings, plant: Plant, *, as_json: bool) -> None:
     TABLE is CSV with the columns forcing_rpm, period_s and, where known, forcing_sigma_rpm and period_sigma_s (0 and
     0.05 s where not given). The plant's options say what theory predicts.
     """
-    forward, backward, weighed = ordinary(readings), inverse(readings), errors_in_variables(readings)
+    forward, backward, weighed = fit_ols(readings), fit_inverse_ols(readings), errors_in_variables(readings)
     for warning in _warnings(weighed.discrepancy):
         click.echo(f'kapitsa: warning: {warning}', err=True)
     predicted = omega_crit_averaged(plant)

@@ -33,7 +33,7 @@ def omega_crit_exact(plant: Plant) -> float:
 
     def excess(inverse_speed: float) -> float:
         _, r1, x2, _ = _normal_solutions(plant, inverse_speed)
-        return r1 * x2 - _grip(plant, inverse_speed)
+        return r1 * x2 - _damping_allowance(plant, inverse_speed)
 
     further = 1.1 * undamped
     while excess(further) <= 0:
@@ -61,7 +61,7 @@ def omega_crit_upper(plant: Plant) -> float | None:
 
     def excess(inverse_speed: float) -> float:
         x1, _, _, r2 = _normal_solutions(plant, inverse_speed)
-        return x1 * r2 + _grip(plant, inverse_speed)
+        return x1 * r2 + _damping_allowance(plant, inverse_speed)
 
     fastest = math.sqrt(max(-characteristic_a1(q), 0.0)) / _stiffness(plant)
     unstable = next((s for s in np.linspace(slowest, fastest, 200)[1:] if excess(s) < 0), None)
@@ -122,7 +122,7 @@ def _normal_solutions(plant: Plant, inverse_speed: float) -> tuple[float, float,
     return half_period(-rate * rate, mathieu_q(plant))
 
 
-def _grip(plant: Plant, inverse_speed: float) -> float:
+def _damping_allowance(plant: Plant, inverse_speed: float) -> float:
     """Return sinh²(πc/2ω): what damping allows half the trace beyond ±1, halved."""
     exponent = 0.5 * math.pi * plant.damping * inverse_speed
     if exponent > MOST_DAMPED:

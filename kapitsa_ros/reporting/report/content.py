@@ -11,7 +11,7 @@ from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_var
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, readings_of
 from kapitsa_ros.analysis.explain import explain
-from kapitsa_ros.analysis.line_fit import inverse, ordinary
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
@@ -120,15 +120,15 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
 def _estimates(evidence: Evidence, written: Readings, nominal: Plant, theirs: Readings) -> tuple[Estimate, ...]:
     """Fit the lines of 1997 to what was written down, the others to what is known of its errors too."""
     line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
-    backward, forward = _or_none(inverse, written), _or_none(ordinary, written)
+    backward, forward = _or_none(fit_inverse_ols, written), _or_none(fit_ols, written)
     curve = direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
     return (
         Estimate(
             name='ω² on Ω², as in 1997',
             value=backward.omega_crit if backward else None,
-            of_1997=inverse(theirs).omega_crit,
+            of_1997=fit_inverse_ols(theirs).omega_crit,
         ),
-        Estimate(name='Ω² on ω²', value=forward.omega_crit if forward else None, of_1997=ordinary(theirs).omega_crit),
+        Estimate(name='Ω² on ω²', value=forward.omega_crit if forward else None, of_1997=fit_ols(theirs).omega_crit),
         Estimate(
             name='line, errors in both readings',
             value=line.omega_crit if line else None,

@@ -13,7 +13,7 @@ from markupsafe import Markup
 from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, readings_of
-from kapitsa_ros.analysis.line_fit import inverse
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.reporting.figures import frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
@@ -50,7 +50,7 @@ def _figures(content: Content) -> list[Markup]:
     ours = evidence_of([recorded.run for recorded in content.runs]).timed
     nominal = ideal_rod(content.plant)
     try:
-        line = inverse(readings_of([recorded.run for recorded in content.runs]))
+        line = fit_inverse_ols(readings_of([recorded.run for recorded in content.runs]))
     except TableError:
         line = None  # Figure 3 is without it, as Table 3 is
     measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))
