@@ -46,6 +46,22 @@ def frequency_sweep(
     return figure
 
 
+def slow_frequency(
+    speed: NDArray[np.float64], exact: NDArray[np.float64], averaged: NDArray[np.float64], omega_crit: float
+) -> Figure:
+    """Draw exact and averaged theory at the given speeds; all in rad/s, nan where there is no value."""
+    figure = blank('Slow frequency over forcing frequency')
+    (axes,) = figure.axes
+    order = np.argsort(speed)
+    style = {'marker': 'o', 'markersize': 3} if speed.size <= 50 else {}
+    axes.plot(speed[order] / RPM, exact[order] / RPM, color=BLUE, label='exact theory', **style)
+    axes.plot(speed[order] / RPM, averaged[order] / RPM, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
+    axes.axvline(omega_crit / RPM, color=INK, linewidth=0.8, label='exact critical speed')
+    axes.set(xlabel='ω (RPM)', ylabel='Ω (RPM)')
+    axes.legend(fontsize=8)
+    return figure
+
+
 def _rpm(speeds: NDArray[np.float64], slow: Callable[[float], float | None]) -> NDArray[np.float64]:
     values = (slow(speed) for speed in speeds * RPM)
     return np.array([np.nan if value is None else value / RPM for value in values])
