@@ -78,7 +78,7 @@ def to_si_array(name: str, values: Quantities, unit: str) -> NDArray[np.float64]
     if array.dtype.kind in 'iuf':
         return array.astype(np.float64)
     if array.dtype.kind in 'UO':  # texts, or quantities one by one
-        return np.array([to_si(name, value, unit) for value in array.flat]).reshape(array.shape)
+        return np.array([to_si(name, value, unit) for value in array.astype(object).flat]).reshape(array.shape)
     raise _error(name, values, unit)
 
 

@@ -56,14 +56,13 @@ class Theory:
     """Which speeds have no answer, and why."""
 
     def __repr__(self) -> str:
-        swinging = int(np.count_nonzero(np.isfinite(self.slow)))
         return describe(
             f'Theory: {plant_text(self.plant)}',
             critical_speed=speed_text(self.omega_crit),
             averaged=speed_text(self.omega_crit_averaged),
             upper_limit=speed_text(self.omega_crit_upper),
             speeds=speeds_text(self.speed),
-            slow=speeds_text(self.slow) if swinging else 'none',
+            slow=speeds_text(self.slow[np.isfinite(self.slow)]),
         )
 
     def to_pandas(self) -> pd.DataFrame:

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.physics.plant import Plant
 
+_MARKED = 50  # speeds; more make a line
+
 
 def frequency_sweep(
     plant: Plant,
@@ -53,8 +55,8 @@ def slow_frequency(
     figure = blank('Slow frequency over forcing frequency')
     (axes,) = figure.axes
     order = np.argsort(speed)
-    style = {'marker': 'o', 'markersize': 3} if speed.size <= 50 else {}
-    axes.plot(speed[order] / RPM, exact[order] / RPM, color=BLUE, label='exact theory', **style)
+    marker = 'o' if speed.size <= _MARKED else ''
+    axes.plot(speed[order] / RPM, exact[order] / RPM, color=BLUE, label='exact theory', marker=marker, markersize=3)
     axes.plot(speed[order] / RPM, averaged[order] / RPM, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
     axes.axvline(omega_crit / RPM, color=INK, linewidth=0.8, label='exact critical speed')
     axes.set(xlabel='ω (RPM)', ylabel='Ω (RPM)')
