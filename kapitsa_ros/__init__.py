@@ -57,12 +57,14 @@ __version__ = '0.1.0'
 _CLASSES = {'KapitsaError': 'errors', 'Plant': 'physics.plant', 'Rig': 'rig.harness'}
 
 
-def __getattr__(name: str) -> Any:
-    if name not in __all__:
-        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
-    value = getattr(import_module(f'{__name__}.{_CLASSES.get(name, f"_api.{name}")}'), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # a checker would believe that there is everything
+
+    def __getattr__(name: str) -> Any:
+        if name not in __all__:
+            raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+        value = getattr(import_module(f'{__name__}.{_CLASSES.get(name, f"_api.{name}")}'), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:

@@ -111,7 +111,7 @@ def reduce(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Reduction:
     Examples
     --------
     >>> import kapitsa_ros as kr
-    >>> found = kr.reduce((['2240 rpm', '2640 rpm', '2780 rpm'], [0.72, 0.57, 0.53]))
+    >>> found = kr.reduce((['2240 rpm', '2640 rpm', '2780 rpm'], [1.0, 0.75, 0.68]))
     >>> found.inverse == kr.reduce('1997').inverse
     True
 

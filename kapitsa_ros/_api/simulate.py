@@ -129,7 +129,7 @@ def simulate(
     >>> import kapitsa_ros as kr
     >>> run = kr.simulate(kr.Plant(), speed='2500 rpm', release='7 deg', duration='1 min')
     >>> run.fell, run.angle.shape, round(run.slow, 3)
-    (False, (60001,), 10.136)
+    (False, (60001,), 11.954)
 
     """
     run = Release(

@@ -117,7 +117,7 @@ def theory(plant: AnyPlant = None, *, speed: Quantities = (), release: Quantity 
     >>> found.stable
     array([False,  True])
     >>> found.slow.round(3)
-    array([  nan, 10.149])
+    array([   nan, 12.024])
 
     """
     rod = as_plant(plant)
