@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from numbers import Real
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
 from kapitsa_ros.errors import QuantityError
-from kapitsa_ros.units import parse_quantity
+from kapitsa_ros.units import is_quantity, magnitude, parse_quantity
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-Quantity: TypeAlias = Any
+AnyQuantity: TypeAlias = Any
 """A number in SI, a text as in '2500 rpm', or a quantity of a library of units (which has `.to(unit).magnitude`)."""
-Quantities: TypeAlias = Any
-"""A `Quantity`, or an array or sequence of them."""
+AnyQuantities: TypeAlias = Any
+"""An `AnyQuantity`, or an array or sequence of them."""
 
 _EXAMPLES = {
     'rad/s': "234.6, '2240 rpm' or '37.3 Hz'",
@@ -28,7 +27,7 @@ _EXAMPLES = {
 }
 
 
-def to_si(name: str, value: Quantity, unit: str, bare: float = 1.0) -> float:
+def to_si(name: str, value: AnyQuantity, unit: str, bare: float = 1.0) -> float:
     """Return one quantity in an SI unit.
 
     Parameters
@@ -49,8 +48,8 @@ def to_si(name: str, value: Quantity, unit: str, bare: float = 1.0) -> float:
 
     """
     try:
-        if _has_unit(value):
-            return float(_magnitude(value, unit))
+        if is_quantity(value):
+            return float(magnitude(value, unit))
         if isinstance(value, str):
             return parse_quantity(value, unit, bare)
         if getattr(value, 'shape', None) == () and hasattr(value, 'item'):  # of numpy
@@ -62,7 +61,7 @@ def to_si(name: str, value: Quantity, unit: str, bare: float = 1.0) -> float:
     raise _error(name, value, unit)
 
 
-def to_si_array(name: str, values: Quantities, unit: str) -> NDArray[np.float64]:
+def to_si_array(name: str, values: AnyQuantities, unit: str) -> NDArray[np.float64]:
     """Return quantities in an SI unit, in the shape they were given in; of a single one the shape is ().
 
     Raises
@@ -72,7 +71,7 @@ def to_si_array(name: str, values: Quantities, unit: str) -> NDArray[np.float64]
 
     """
     try:
-        array = np.asarray(_magnitude(values, unit) if _has_unit(values) else values)
+        array = np.asarray(magnitude(values, unit) if is_quantity(values) else values)
     except Exception as error:  # a library of units raises its own
         raise _error(name, values, unit) from error
     if array.dtype.kind in 'iuf':
@@ -80,16 +79,6 @@ def to_si_array(name: str, values: Quantities, unit: str) -> NDArray[np.float64]
     if array.dtype.kind in 'UO':  # texts, or quantities one by one
         return np.array([to_si(name, value, unit) for value in array.astype(object).flat]).reshape(array.shape)
     raise _error(name, values, unit)
-
-
-def _has_unit(value: Any) -> bool:
-    return hasattr(value, 'to') and hasattr(value, 'magnitude')
-
-
-def _magnitude(value: Any, unit: str) -> Any:
-    """Convert; pint counts hertz as 1/s and so 1 Hz as 1 rad/s, but a shaft at 1 Hz makes one turn a second."""
-    turns = unit == 'rad/s' and any(word in str(value.units) for word in ('hertz', 'Hz'))
-    return value.to(unit).magnitude * (2.0 * math.pi if turns else 1.0)
 
 
 def _error(name: str, value: Any, unit: str) -> QuantityError:

@@ -52,7 +52,7 @@ def explain(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Explanati
     readings
         A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
     plant
-        What it should have been: a `Plant`, or a preset by its name or path; the ideal rod of the report where not given.
+        What it should have been: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
 
     Returns
     -------

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros._api.inputs import AnyInstruments, AnyPlant, AnyReadings
     from kapitsa_ros.analysis.plan import Separation
-    from kapitsa_ros.quantities import Quantity
+    from kapitsa_ros.quantities import AnyQuantity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -65,8 +65,8 @@ def plan(
     plant: AnyPlant = None,
     *,
     target: float,
-    release: Quantity = 0.12,
-    max_speed: Quantity = FASTEST,
+    release: AnyQuantity = 0.12,
+    max_speed: AnyQuantity = FASTEST,
     between: tuple[str, str] = ('inertia_factor', 'large_swing'),
     readings: AnyReadings = '1997',
     instruments: AnyInstruments = '1997',

@@ -96,7 +96,7 @@ def reduce(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Reduction:
     readings
         A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
     plant
-        What theory predicts for: a `Plant`, or a preset by its name or path; the ideal rod of the report where not given.
+        What theory predicts for: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
 
     Returns
     -------

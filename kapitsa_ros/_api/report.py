@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from kapitsa_ros._api.inputs import as_readings
 from kapitsa_ros._api.result import describe, speed_text
 from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.recording.naming import repeats
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.errors import UsageError
 
@@ -24,6 +25,8 @@ class Report:
 
     output: Path
     content: Content
+    warnings: tuple[str, ...]
+    """Which bags were given twice."""
 
     def __repr__(self) -> str:
         estimates = {each.name.replace(' ', '_'): speed_text(each.value) for each in self.content.estimates}
@@ -31,6 +34,7 @@ class Report:
             f'Report on {len(self.content.runs)} run(s): {self.output}',
             **estimates,
             predicted=speed_text(self.content.predicted),
+            warnings='; '.join(self.warnings) or 'none',
         )
 
 
@@ -40,7 +44,7 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Repor
     Parameters
     ----------
     bags
-        Folders of the runs, each once: the readings of one given twice would count twice.
+        Folders of the runs; the readings of one that is given twice count twice, and `.warnings` says so.
     output
         The HTML file to write; its folder must be there.
 
@@ -68,7 +72,7 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Repor
         from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
     except ImportError as error:
         raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
-    paths = [bags] if isinstance(bags, str | Path) else bags
-    content = gather([RunBag(Path(path)).recorded for path in paths], as_readings('1997'))
+    paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
+    content = gather([RunBag(path).recorded for path in paths], as_readings('1997'))
     page.write_text(render(content), encoding='utf-8')
-    return Report(output=page, content=content)
+    return Report(output=page, content=content, warnings=repeats(paths))

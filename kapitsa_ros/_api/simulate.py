@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros._api.inputs import AnyPlant
-    from kapitsa_ros.quantities import Quantity
+    from kapitsa_ros.quantities import AnyQuantity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -82,14 +82,14 @@ class Simulation:
 def simulate(
     plant: AnyPlant = None,
     *,
-    speed: Quantity,
-    release: Quantity,
-    duration: Quantity,
-    phase: Quantity = 0.0,
+    speed: AnyQuantity,
+    release: AnyQuantity,
+    duration: AnyQuantity,
+    phase: AnyQuantity = 0.0,
     linear: bool = False,
-    bending_frequency: Quantity | None = None,
+    bending_frequency: AnyQuantity | None = None,
     bending_damping: float | None = None,
-    sample_rate: Quantity = 1000.0,
+    sample_rate: AnyQuantity = 1000.0,
 ) -> Simulation:
     """Release a rod at rest on a shaking pivot, and follow it.
 
@@ -158,7 +158,7 @@ def simulate(
     )
 
 
-def _bending(frequency: Quantity | None, damping: float | None) -> BendingMode | None:
+def _bending(frequency: AnyQuantity | None, damping: float | None) -> BendingMode | None:
     if frequency is not None:
         return BendingMode(frequency=to_si('bending_frequency', frequency, 'rad/s'), damping=damping or 0.0)
     if damping is not None:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros._api.inputs import AnyPlant
     from kapitsa_ros.physics.plant import Plant
-    from kapitsa_ros.quantities import Quantities
+    from kapitsa_ros.quantities import AnyQuantities
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -59,7 +59,7 @@ class StabilityRegion:
         return figure
 
 
-def stability_map(plant: AnyPlant = None, *, speed: Quantities, amplitude: Quantities) -> StabilityRegion:
+def stability_map(plant: AnyPlant = None, *, speed: AnyQuantities, amplitude: AnyQuantities) -> StabilityRegion:
     """Map where the upright rod is stable: 10⁶ points take some milliseconds.
 
     Parameters

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.inputs import AnyPlant
     from kapitsa_ros.physics.plant import Plant
     from kapitsa_ros.physics.theory import TheoryResult
-    from kapitsa_ros.quantities import Quantities, Quantity
+    from kapitsa_ros.quantities import AnyQuantities, AnyQuantity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -87,7 +87,7 @@ class Theory:
         return figure
 
 
-def theory(plant: AnyPlant = None, *, speed: Quantities = (), release: Quantity | None = None) -> Theory:
+def theory(plant: AnyPlant = None, *, speed: AnyQuantities = (), release: AnyQuantity | None = None) -> Theory:
     """Say what theory predicts of a rod: its critical speeds, and what it does at given ones.
 
     Parameters

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
-    from kapitsa_ros.quantities import Quantity
+    from kapitsa_ros.quantities import AnyQuantity
     from kapitsa_ros.ros.rig_client import News
 
 PATIENCE = 30.0
@@ -132,7 +132,7 @@ class Rig:
         """Stop the nodes."""
         self._stack.close()
 
-    def request_speed(self, rpm: Quantity) -> None:
+    def request_speed(self, rpm: AnyQuantity) -> None:
         """Ask the operator for a forcing speed: RPM as on the dial, or with a unit as in `'37.3 Hz'`.
 
         Raises
@@ -147,7 +147,7 @@ class Rig:
         Requests(MAX_SPEED).ask_speed(speed)
         self._ask('operator/speed', speed)
 
-    def release(self, angle: Quantity) -> None:
+    def release(self, angle: AnyQuantity) -> None:
         """Ask the operator to catch the pendulum and let it go from an angle: rad, or with a unit as in `'7 deg'`.
 
         Raises

@@ -76,7 +76,7 @@ def test_the_types_are_known_to_a_checker(tmp_path: Path) -> None:
     pytest.importorskip('mypy')
     options = [
         '--no-site-packages',
-            '--ignore-missing-imports',
+        '--ignore-missing-imports',
         '--cache-dir',
         tmp_path / 'cache',
         '--config-file',
@@ -217,3 +217,15 @@ def test_a_plant_may_be_named() -> None:
     assert kr.theory('bearing').plant == kr.preset('bearing')
     with pytest.raises(kr.KapitsaError, match='nope'):
         kr.theory('nope')
+
+
+def test_a_rod_is_described_as_a_person_says_it() -> None:
+    rod = kr.Plant(length='9.75in', amplitude='0.5 in')
+    assert (rod.length, rod.amplitude) == (0.24765, 0.0127)
+    assert kr.preset('bearing', length='9.75 in') == kr.preset('bearing')
+
+
+def test_a_bag_that_counts_twice_is_told_of(tmp_path: Path) -> None:
+    pytest.importorskip('matplotlib')
+    bags = sorted((CHECKOUT / 'bags').glob('run_*'))
+    assert kr.report([*bags, str(bags[0])], tmp_path / 'r.html').warnings[0].startswith(f'{bags[0].name} is given more')
