@@ -54,6 +54,7 @@ CORE = [
 REPORT = [
     'jinja2>=3.1',
     'matplotlib>=3.6',
+    'pandas>=2.1',
     'pyarrow>=14',
 ]
 CAMPAIGN = [

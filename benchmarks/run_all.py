@@ -9,7 +9,15 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 BEGIN, END = '<!-- make bench -->', '<!-- end of make bench -->'
-SCRIPTS = ('smooth_run', 'friction_run', 'sampled_block', 'stability_map', 'trajectories', 'first_result')
+SCRIPTS = (
+    'smooth_run',
+    'friction_run',
+    'sampled_block',
+    'stability_map',
+    'theory_curve',
+    'trajectories',
+    'first_result',
+)
 
 
 def main() -> None:

@@ -16,3 +16,13 @@ class KapitsaError(Exception):
 
     exit_status: ClassVar[int] = WRONG_INPUT
     """With which a program ends that meets it."""
+
+
+class QuantityError(KapitsaError, ValueError):
+    """A value is no quantity of the dimension that is asked for; the message names it and shows one."""
+
+
+class MissingPackageError(KapitsaError):
+    """A package is missing that comes with an extra; the message says how to install it."""
+
+    exit_status = FAILED

@@ -13,13 +13,12 @@ from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from kapitsa_ros.errors import KapitsaError
-from kapitsa_ros.units import parse_quantity
+from kapitsa_ros.units import is_quantity, magnitude, parse_quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _KEY = 'quantity'
-_TURN = 2 * math.pi
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -91,8 +90,8 @@ class Quantity:
     def _number(self, value: Any) -> Any:
         if type(value) is self.kind:
             return value
-        if hasattr(value, 'to') and hasattr(value, 'magnitude'):
-            value = _magnitude(value, self.unit)
+        if is_quantity(value):
+            value = magnitude(value, self.unit)
         if getattr(value, 'shape', None) == () and hasattr(value, 'item'):  # numpy's scalars
             value = value.item()
         if isinstance(value, str):
@@ -101,15 +100,6 @@ class Quantity:
             raise TypeError(value)
         plain: Any = value
         return self.kind(plain)
-
-
-def _magnitude(value: Any, unit: str) -> Any:
-    """Convert a quantity of a library of units.
-
-    Pint counts hertz as 1/s and so 1 Hz as 1 rad/s; a shaft that turns at 1 Hz makes one turn a second.
-    """
-    turns = unit.startswith('rad/s') and any(word in str(value.units) for word in ('hertz', 'Hz'))
-    return value.to(unit.replace('²', '^2').replace('·', '*')).magnitude * (_TURN if turns else 1)
 
 
 def quantity(  # read as a line of a table

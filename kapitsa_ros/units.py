@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from fractions import Fraction
+from typing import Any
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
@@ -100,6 +101,20 @@ def _factor(written: str | None, unit: str, bare: float | Fraction) -> float | F
 
 def _plain(unit: str) -> str:
     return unit.replace(' ', '').replace('²', '^2').replace('**', '^').replace('·', '*')
+
+
+def is_quantity(value: Any) -> bool:
+    """Tell whether a value is a quantity of a library of units."""
+    return hasattr(value, 'to') and hasattr(value, 'magnitude')
+
+
+def magnitude(value: Any, unit: str) -> Any:
+    """Return a quantity of a library of units in an SI unit; what cannot be converted raises as the library does.
+
+    Pint counts hertz as 1/s and so 1 Hz as 1 rad/s; a shaft that turns at 1 Hz makes one turn a second.
+    """
+    turns = unit.startswith('rad/s') and any(word in str(value.units) for word in ('hertz', 'Hz'))
+    return value.to(unit.replace('²', '^2').replace('·', '*')).magnitude * (_TURN if turns else 1)
 
 
 def parse_length(text: str | float) -> float:

@@ -9,7 +9,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / 'kapitsa_ros'
 ROOMS = (
     'physics', 'instruments', 'operator', 'network', 'analysis', 'configuration', 'recording', 'laboratory',
-    'reporting', 'ros', 'nodes', 'rig', 'bench', 'cli',
+    'reporting', 'ros', 'nodes', 'rig', '_api', 'bench', 'cli',
 )  # fmt: skip
 ROS = ('rclpy', 'launch', 'launch_ros')
 FILES = sorted(path for path in PACKAGE.rglob('*.py') if path.relative_to(PACKAGE).parts[0] in ROOMS)

@@ -18,6 +18,7 @@ from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.recording.naming import repeats
 from kapitsa_ros.schema import describe
 from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_quantity, parse_speed
 
@@ -186,13 +187,8 @@ def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def warn_of_repeats(bags: Sequence[Path]) -> None:
     """Say so where a bag is given twice: its readings count twice, and the interval is too narrow."""
-    places = [path.resolve() for path in bags]
-    for place in sorted({place for place in places if places.count(place) > 1}):
-        click.echo(
-            f'kapitsa: warning: {place.name} is given more than once: its readings count each time, which makes the '
-            'interval too narrow',
-            err=True,
-        )
+    for warning in repeats(bags):
+        click.echo(f'kapitsa: warning: {warning}', err=True)
 
 
 def print_json(values: Mapping[str, Any]) -> None:

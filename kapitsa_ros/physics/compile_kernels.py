@@ -25,6 +25,7 @@ def compile_kernels() -> None:
     simulate_flexible(release, BendingMode(frequency=500.0), 0.01)
     simulate_batch(plant, speed=SPEED, angle=0.1, duration=0.01)
     theory.growth_rate(plant, SPEED)
+    theory.floquet_curves(plant, np.array([SPEED]))
     theory.stability_map(plant, [SPEED], [plant.amplitude])
     verlet(1.0, 1.0, SPEED, 0.0, 0.1, 1, np.empty((2, 2)))
 

@@ -39,3 +39,12 @@ def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
             raise BagError(f'--bags {bags}: cannot be looked into ({error.strerror}); give another folder') from error
         if there:
             raise BagError(f'{path} exists: runs are never overwritten, give another --bags or move it away')
+
+
+def repeats(bags: Sequence[Path]) -> tuple[str, ...]:
+    """Return a warning for each bag that is given twice: its readings count twice, and the interval is too narrow."""
+    places = [path.resolve() for path in bags]
+    return tuple(
+        f'{place.name} is given more than once: its readings count each time, which makes the interval too narrow'
+        for place in sorted({place for place in places if places.count(place) > 1})
+    )

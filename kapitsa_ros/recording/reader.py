@@ -12,6 +12,7 @@ import numpy as np
 from rosbags.rosbag2 import Reader
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
+from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import (
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from os import PathLike
 
+    import pandas as pd
+
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
@@ -55,6 +58,11 @@ class Motion:
     """Places where a sample or a step is missing."""
     lost: float
     """Seconds of motion missing there."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row a sample, times from the first on."""
+        seconds = (self.stamps_ns - self.stamps_ns[:1]) / SECOND
+        return data_frame({'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate})
 
 
 class RunBag:

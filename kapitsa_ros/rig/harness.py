@@ -18,6 +18,7 @@ from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import Requests
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.quantities import to_si
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import RigError, UsageError
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
+    from kapitsa_ros.quantities import AnyQuantity
     from kapitsa_ros.ros.rig_client import News
 
 PATIENCE = 30.0
@@ -130,29 +132,35 @@ class Rig:
         """Stop the nodes."""
         self._stack.close()
 
-    def request_speed(self, rpm: float) -> None:
-        """Ask the operator for a forcing speed, RPM.
+    def request_speed(self, rpm: AnyQuantity) -> None:
+        """Ask the operator for a forcing speed: RPM as on the dial, or with a unit as in `'37.3 Hz'`.
 
         Raises
         ------
+        QuantityError
+            It is no speed.
         RequestError
             The jigsaw cannot turn so.
 
         """
-        Requests(MAX_SPEED).ask_speed(rpm * RPM)
-        self._ask('operator/speed', rpm * RPM)
+        speed = to_si('speed', rpm, 'rad/s', RPM)
+        Requests(MAX_SPEED).ask_speed(speed)
+        self._ask('operator/speed', speed)
 
-    def release(self, angle: float) -> None:
-        """Ask the operator to catch the pendulum and let it go from an angle, rad.
+    def release(self, angle: AnyQuantity) -> None:
+        """Ask the operator to catch the pendulum and let it go from an angle: rad, or with a unit as in `'7 deg'`.
 
         Raises
         ------
+        QuantityError
+            It is no angle.
         RequestError
             The angle is not within a quarter turn of upright.
 
         """
-        Requests(MAX_SPEED).ask_release(angle)
-        self._ask('operator/release', angle)
+        radians = to_si('angle', angle, 'rad')
+        Requests(MAX_SPEED).ask_release(radians)
+        self._ask('operator/release', radians)
 
     def wait_for(self, topic: str, predicate: Callable[[Any], bool] | None = None, timeout: float = PATIENCE) -> Any:
         """Return the next message on a topic that fits.

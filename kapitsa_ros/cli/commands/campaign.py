@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import math
-import time
 from typing import TYPE_CHECKING, Any
 
 import click
 from rich.console import Console
 from rich.progress import track
 
-from kapitsa_ros.analysis.critical_speed import true_threshold
+from kapitsa_ros._api.campaign import campaign as call
 from kapitsa_ros.cli.options import instrument_options, json_option, plant_options, print_json
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
-from kapitsa_ros.laboratory.dask_cluster import DaskCluster
-from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -35,20 +31,23 @@ def campaign(
     *, experiments: int, protocol: str, scheduler: str | None, plant: Plant, instruments: Instruments, as_json: bool
 ) -> None:
     """Carry out many whole experiments in process, and count how often their intervals tell the truth."""
-    experiment = SimulatedExperiment(plant=plant, instruments=instruments, protocol=load_protocol(protocol), seed=0)
-    workers = DaskCluster(scheduler) if scheduler else Cores()
-    begin = time.perf_counter()
-    stream = perform_all(experiment, experiments, workers)
-    outcomes = list(track(stream, 'experiments', experiments, console=Console(stderr=True), transient=True))
-    found = summarise(outcomes, true_threshold(plant), time.perf_counter() - begin, workers.count)
+    result = call(
+        plant,
+        experiments=experiments,
+        instruments=instruments,
+        protocol=protocol,
+        scheduler=scheduler,
+        progress=lambda stream: track(stream, 'experiments', experiments, console=Console(stderr=True), transient=True),
+    )
+    found = result.summary
     if as_json:
         print_json(_values(found))
         return
     median, low, high = (speed / RPM for speed in found.omega_crit)
-    truth = true_threshold(plant) / RPM
+    truth = result.truth / RPM
     click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {found.wall:.1f} s')
     if found.failed == found.experiments:
-        speeds = ', '.join(f'{speed / RPM:.0f}' for speed in experiment.protocol.speeds)
+        speeds = ', '.join(f'{speed / RPM:.0f}' for speed in load_protocol(protocol).speeds)
         click.echo(f'no swing could be timed at {speeds} RPM; the critical speed of this plant is {truth:.1f} RPM')
         return
     width = 'unbounded' if math.isnan(found.width) else f'{found.width / RPM:.1f} RPM'

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 import click
 from rich.console import Console
 
+from kapitsa_ros._api.experiment import experiment as call
 from kapitsa_ros.cli.options import SEED, instrument_options, json_option, plant_options, print_json, rate_option
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.recording.writer import STORAGES
-from kapitsa_ros.rig.setup import Setup
 
 if TYPE_CHECKING:
     from kapitsa_ros.instruments.settings import Instruments
@@ -42,13 +43,19 @@ def experiment(
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
-    from kapitsa_ros.rig.session import run_experiment  # noqa: PLC0415  # rclpy takes its time
 
-    setup = Setup(
-        plant=plant, instruments=instruments, protocol=protocol, seed=seed, rate=rate, bags=bags, storage=storage
-    )
-    with shown_progress(len(setup.carried_out().speeds)) as on_progress:
-        values = run_experiment(setup, on_progress)
+    with shown_progress(len(load_protocol(protocol).speeds)) as on_progress:
+        found = call(
+            plant,
+            instruments=instruments,
+            protocol=protocol,
+            seed=seed,
+            bags=bags,
+            rate=rate,
+            storage=storage,
+            on_progress=on_progress,
+        )
+    values = found.values
     if as_json:
         print_json(values)
         return

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.analysis.explain import explain as rank
+from kapitsa_ros._api.explain import explain as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
 
@@ -27,7 +27,7 @@ def explain(readings: Readings, plant: Plant, *, as_json: bool) -> None:
 
     The plant's options say what it should have been.
     """
-    verdict = rank(readings, plant)
+    verdict = call(readings, plant)
     for warning in verdict.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
     if as_json:

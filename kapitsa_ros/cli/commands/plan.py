@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from kapitsa_ros._api.plan import plan as call
 from kapitsa_ros.analysis.explain import CAUSES
-from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.cheapest import FASTEST
 from kapitsa_ros.cli.options import ANGLE, SPEED, instrument_options, json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
@@ -55,8 +55,16 @@ def plan(
 
     Beside it stands the one measurement that best tells two explanations of TABLE (by default that of 1997) apart.
     """
-    found = cheapest_plan(plant, instruments, target, release, max_speed)
-    deciding = best_separation(readings, plant, *between)
+    found = call(
+        plant,
+        target=target,
+        release=release,
+        max_speed=max_speed,
+        between=between,
+        readings=readings,
+        instruments=instruments,
+    )
+    deciding = found.separation
     if as_json:
         print_json(
             {

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.cli.options import warn_of_repeats
-from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.errors import UsageError
 
 
 @click.command()
@@ -19,19 +19,10 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
     if not output.parent.is_dir():
         raise UsageError(f'--output {output}: there is no directory {output.parent}: make it first')
     warn_of_repeats(bags)
-    try:
-        import jinja2  # noqa: F401, PLC0415
-        import matplotlib as mpl  # noqa: F401, PLC0415
-    except ImportError as error:
-        raise RigError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    from kapitsa_ros._api.report import report as call  # noqa: PLC0415
     from kapitsa_ros.cli.options import print_json  # noqa: PLC0415
-    from kapitsa_ros.configuration.tables import load_table  # noqa: PLC0415
-    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
-    from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
 
-    runs = [RunBag(path).recorded for path in bags]
-    page = render(gather(runs, load_table('1997')))
-    output.write_text(page, encoding='utf-8')
+    call(bags, output)
     if as_json:
         print_json({'output': str(output)})
     else:

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 import click
 import numpy as np
 
+from kapitsa_ros._api.simulate import simulate as call
 from kapitsa_ros.cli.options import ANGLE, FREQUENCY, SPEED, json_option, plant_options, print_json
 from kapitsa_ros.cli.output_files import SUFFIXES, write_table
-from kapitsa_ros.physics.flexible_rod import BendingMode, FlexibleTrajectory, simulate_flexible
-from kapitsa_ros.physics.release import Release, Trajectory
-from kapitsa_ros.physics.run_summary import summarise_run
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM
 
@@ -47,39 +45,32 @@ def simulate(
     as_json: bool,
 ) -> None:
     """Release the rod at rest on a shaking pivot and say what becomes of it."""
-    run = Release(plant=plant, speed=speed, angle=release, phase=phase, linear=linear)
-    bending = _bending(bending_frequency, bending_damping)
-    motion = (
-        run.sampled(duration, sample_rate)
-        if bending is None
-        else simulate_flexible(run, bending, duration, sample_rate)
+    if bending_damping is not None and bending_frequency is None:
+        raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
+    run = call(
+        plant,
+        speed=speed,
+        release=release,
+        duration=duration,
+        phase=phase,
+        linear=linear,
+        bending_frequency=bending_frequency,
+        bending_damping=bending_damping,
+        sample_rate=sample_rate,
     )
-    slow = summarise_run(run, duration, bending)
     if output is not None:
-        pivot = -plant.amplitude * np.cos(speed * motion.time + phase)
-        columns = {'time_s': motion.time, 'angle_rad': motion.angle, 'rate_rad_s': motion.rate, 'pivot_m': pivot}
-        if isinstance(motion, FlexibleTrajectory):
-            columns['deflection_m'] = motion.deflection
-        write_table(output, columns)
+        write_table(output, run.columns)
     answer = {
-        'slow_rpm': None if slow.frequency is None else slow.frequency / RPM,
-        'growth_per_s': slow.growth,
-        'max_angle_rad': float(np.abs(motion.angle).max()),
-        'fell': motion.fell,
-        'final_angle_rad': float(motion.angle[-1]),
-        'stuck': isinstance(motion, Trajectory) and motion.stuck,
-        'periods': slow.periods,
+        'slow_rpm': None if run.slow is None else run.slow / RPM,
+        'growth_per_s': run.growth,
+        'max_angle_rad': float(np.abs(run.angle).max()),
+        'fell': run.fell,
+        'final_angle_rad': float(run.angle[-1]),
+        'stuck': run.stuck,
+        'periods': run.periods,
     }
     if as_json:
         print_json(answer)
     else:
         for name, value in answer.items():
             click.echo(f'{name:16} {value}')
-
-
-def _bending(frequency: float | None, damping: float | None) -> BendingMode | None:
-    if frequency is not None:
-        return BendingMode(frequency=frequency, damping=damping or 0.0)
-    if damping is not None:
-        raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
-    return None

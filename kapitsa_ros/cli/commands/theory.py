@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from kapitsa_ros._api.theory import theory as call
 from kapitsa_ros.cli.options import ANGLE, SPEED, json_option, plant_options, print_json
-from kapitsa_ros.physics import theory as physics
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from kapitsa_ros._api.theory import Theory
     from kapitsa_ros.physics.plant import Plant
 
 
@@ -21,12 +23,15 @@ if TYPE_CHECKING:
 @json_option
 def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as_json: bool) -> None:
     """Say what theory predicts: critical speeds, and what the rod does at given ones."""
+    # One call a speed: each that has no answer is an error here.
+    found = [call(plant, speed=speed, release=release) for speed in speeds]
+    rod = found[0] if found else call(plant)
     answer = {
-        'mathieu_q': physics.mathieu_q(plant),
-        'omega_crit_averaged_rpm': _rpm(physics.omega_crit_averaged(plant)),
-        'omega_crit_exact_rpm': _rpm(physics.omega_crit_exact(plant)),
-        'omega_crit_upper_rpm': _rpm(physics.omega_crit_upper(plant)),
-        'speeds': [_at(plant, speed, release) for speed in speeds],
+        'mathieu_q': rod.mathieu_q,
+        'omega_crit_averaged_rpm': _rpm(rod.omega_crit_averaged),
+        'omega_crit_exact_rpm': _rpm(rod.omega_crit),
+        'omega_crit_upper_rpm': _rpm(rod.omega_crit_upper),
+        'speeds': [_at(one) for one in found],
     }
     if as_json:
         print_json(answer)
@@ -34,25 +39,25 @@ def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as
         _print(answer)
 
 
-def _at(plant: Plant, speed: float, release: float | None) -> dict[str, Any]:
+def _at(found: Theory) -> dict[str, Any]:
     answer: dict[str, Any] = {
-        'speed_rpm': _rpm(speed),
-        'mathieu_a': physics.mathieu_a(plant, speed),
-        'stable': physics.is_stable(plant, speed),
-        'slow_averaged_rpm': _rpm(physics.slow_frequency_averaged(plant, speed)),
-        'slow_exact_rpm': _rpm(physics.slow_frequency_exact(plant, speed)),
-        'growth_per_s': physics.growth_rate(plant, speed),
+        'speed_rpm': _rpm(float(found.speed)),
+        'mathieu_a': float(found.mathieu_a),
+        'stable': bool(found.stable),
+        'slow_averaged_rpm': _rpm(float(found.slow_averaged)),
+        'slow_exact_rpm': _rpm(float(found.slow)),
+        'growth_per_s': float(found.growth),
     }
-    if release is not None:
+    if found.ladder:
         answer['ladder'] = [
             {'name': rung.name, 'source': rung.source, 'slow_rpm': _rpm(rung.frequency), 'error_rpm': _rpm(rung.error)}
-            for rung in physics.compare_theories(plant, speed, release)
+            for rung in found.ladder[0]
         ]
     return answer
 
 
 def _rpm(speed: float | None) -> float | None:
-    return None if speed is None else speed / RPM
+    return None if speed is None or math.isnan(speed) else speed / RPM
 
 
 def _print(answer: dict[str, Any]) -> None:

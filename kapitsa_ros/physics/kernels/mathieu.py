@@ -69,6 +69,32 @@ def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.flo
 
 
 @kernel
+def floquet_exponents(a: NDArray[np.float64], q: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what the Floquet multipliers of w over z = 0 to π turn and stretch by, shape (N,) each.
+
+    Returns
+    -------
+    tuple
+        Half their angle, nan where both are real and positive; ln of the modulus of the larger, nan beyond any double.
+
+    """
+    half_angle, spread = np.empty(a.size), np.empty(a.size)
+    for i in range(a.size):
+        x1, r1, x2, r2 = half_period(a[i], q)
+        less_one, plus_one = r1 * x2, x1 * r2
+        half_angle[i], spread[i] = math.nan, 0.0
+        if not math.isfinite(less_one):
+            spread[i] = math.nan
+        elif less_one > 0:
+            spread[i] = 2.0 * math.asinh(math.sqrt(less_one))
+        elif plus_one < 0:
+            spread[i] = 2.0 * math.asinh(math.sqrt(-plus_one))
+        if less_one < 0:
+            half_angle[i] = math.asin(math.sqrt(min(-less_one, 1.0)))
+    return half_angle, spread
+
+
+@kernel
 def combine(weights: NDArray[np.float64], rows: NDArray[np.float64], out: NDArray[np.float64]) -> None:
     """Write weights @ rows into `out`: for thin matrices, and on one core whatever the BLAS would do."""
     for i in range(out.shape[0]):

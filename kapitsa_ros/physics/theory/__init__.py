@@ -7,6 +7,7 @@ from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_freque
 from kapitsa_ros.physics.theory.comparison import TheoryResult, compare_theories
 from kapitsa_ros.physics.theory.expansion import omega_crit_next_order, slow_frequency_next_order
 from kapitsa_ros.physics.theory.floquet import (
+    floquet_curves,
     growth_rate,
     is_stable,
     omega_crit_exact,
@@ -49,6 +50,7 @@ __all__ = [
     'dithered_factor',
     'effective_amplitude',
     'equivalent_damping',
+    'floquet_curves',
     'growth_rate',
     'is_stable',
     'mathieu_a',

@@ -13,10 +13,12 @@ import numpy as np
 import scipy
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
-from kapitsa_ros.physics.kernels.mathieu import half_period
+from kapitsa_ros.physics.kernels.mathieu import floquet_exponents, half_period
 from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic_a1, characteristic_b1, mathieu_q
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from kapitsa_ros.physics.plant import Plant
 
 LONGEST_FALL = 1e4  # of √−a: a turn would multiply the fall by e^(πLONGEST_FALL), beyond any double
@@ -101,6 +103,34 @@ def growth_rate(plant: Plant, speed: float) -> float:
 def is_stable(plant: Plant, speed: float) -> bool:
     """Tell whether the upright rod stays up: no multiplier lies outside the unit circle."""
     return growth_rate(plant, speed) <= 0
+
+
+def floquet_curves(plant: Plant, speeds: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return `slow_frequency_exact` and `growth_rate` at many speeds at once.
+
+    Parameters
+    ----------
+    plant
+        The rod.
+    speeds
+        ω, rad/s, shape (N,).
+
+    Returns
+    -------
+    tuple
+        Ω, rad/s, and the growth, 1/s, shape (N,) each. Ω is nan where there is no slow oscillation; both are nan at a
+        speed that is not finite and above 0, or so low that the fall within a turn is beyond double precision.
+
+    """
+    slow, growth = np.full(speeds.shape, np.nan), np.full(speeds.shape, np.nan)
+    stiffness = _stiffness(plant)
+    answered = np.isfinite(speeds) & (speeds > stiffness / LONGEST_FALL)
+    speed = speeds[answered]
+    rate = stiffness * (1.0 / speed)
+    half_angle, spread = floquet_exponents(-rate * rate, mathieu_q(plant))
+    slow[answered] = speed / math.pi * half_angle
+    growth[answered] = spread / (2.0 * math.pi / speed) - 0.5 * plant.damping
+    return slow, growth
 
 
 def _half_trace(plant: Plant, speed: float) -> tuple[float, float]:

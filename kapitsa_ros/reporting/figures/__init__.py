@@ -1,8 +1,20 @@
-"""The report's figures drawn again; they need matplotlib, which is an extra."""
+"""The report's figures drawn again, and pictures of results; they need matplotlib, which is an extra."""
 
-from kapitsa_ros.reporting.figures.history import time_history
+from kapitsa_ros.reporting.figures.critical_speeds import critical_speeds
+from kapitsa_ros.reporting.figures.extrapolation import extrapolation
+from kapitsa_ros.reporting.figures.history import angle_history, time_history
 from kapitsa_ros.reporting.figures.spectrum import power_spectrum
-from kapitsa_ros.reporting.figures.stability import stability_boundaries
-from kapitsa_ros.reporting.figures.sweep import frequency_sweep
+from kapitsa_ros.reporting.figures.stability import stability_boundaries, stability_region
+from kapitsa_ros.reporting.figures.sweep import frequency_sweep, slow_frequency
 
-__all__ = ['frequency_sweep', 'power_spectrum', 'stability_boundaries', 'time_history']
+__all__ = [
+    'angle_history',
+    'critical_speeds',
+    'extrapolation',
+    'frequency_sweep',
+    'power_spectrum',
+    'slow_frequency',
+    'stability_boundaries',
+    'stability_region',
+    'time_history',
+]

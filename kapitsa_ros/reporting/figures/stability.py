@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 
 from kapitsa_ros.physics import theory
 from kapitsa_ros.reporting.figures.canvas import BLUE, GREY, INK, ORANGE, blank
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
     from kapitsa_ros.physics.plant import Plant
 
@@ -61,3 +63,12 @@ def _draw_bench(axes: Axes, plant: Plant, speeds: Sequence[float]) -> None:
     )
     axes.set(xlabel='ω (RPM)', ylabel='λ/L', xlim=(500, 4000), ylim=(0, 0.4))
     axes.legend(fontsize=8, loc='center right')
+
+
+def stability_region(speed: NDArray[np.float64], amplitude: NDArray[np.float64], stable: NDArray[np.bool_]) -> Figure:
+    """Draw where the upright rod is stable, over speeds (rad/s) and amplitudes (m)."""
+    figure = blank('Stability of the upright rod')
+    (axes,) = figure.axes
+    axes.pcolormesh(speed / RPM, amplitude, stable, cmap=ListedColormap(['white', BLUE]), alpha=0.4, vmin=0, vmax=1)
+    axes.set(xlabel='ω (RPM)', ylabel='λ (m)')
+    return figure

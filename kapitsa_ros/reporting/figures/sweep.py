@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.physics.plant import Plant
 
+_MARKED = 50  # speeds; more make a line
+
 
 def frequency_sweep(
     plant: Plant,
@@ -42,6 +44,22 @@ def frequency_sweep(
     axes.axvspan(0.0, edge, color=GREY, alpha=0.15, linewidth=0)
     axes.text(edge - 15.0, 20.0, f'falls below\n{edge:.1f} RPM', ha='right', fontsize=8, color=INK)
     axes.set(xlabel='ω (RPM)', ylabel='Ω (RPM)', xlim=(1000, 3000), ylim=(0, 160))
+    axes.legend(fontsize=8)
+    return figure
+
+
+def slow_frequency(
+    speed: NDArray[np.float64], exact: NDArray[np.float64], averaged: NDArray[np.float64], omega_crit: float
+) -> Figure:
+    """Draw exact and averaged theory at the given speeds; all in rad/s, nan where there is no value."""
+    figure = blank('Slow frequency over forcing frequency')
+    (axes,) = figure.axes
+    order = np.argsort(speed)
+    marker = 'o' if speed.size <= _MARKED else ''
+    axes.plot(speed[order] / RPM, exact[order] / RPM, color=BLUE, label='exact theory', marker=marker, markersize=3)
+    axes.plot(speed[order] / RPM, averaged[order] / RPM, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
+    axes.axvline(omega_crit / RPM, color=INK, linewidth=0.8, label='exact critical speed')
+    axes.set(xlabel='ω (RPM)', ylabel='Ω (RPM)')
     axes.legend(fontsize=8)
     return figure
 

@@ -16,28 +16,10 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
-    from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.reporting.report.content import Estimate
 
 _SHOWN = 5.0  # s of Figure 4
-
-
-def extrapolation(ours: Readings, theirs: Readings, line: LineFit | None) -> Figure:
-    """Draw Figure 3: readings and the line that was extrapolated, if there is one, in the report's axes."""
-    figure = blank('Figure 3: forcing over slow frequency')
-    (axes,) = figure.axes
-    slow = np.linspace(0.0, 1.1 * max(ours.slow.max(), theirs.slow.max()), 200)
-    if line is not None and line.omega_crit is not None:
-        forcing = np.sqrt(line.omega_crit**2 + slow**2 / line.slope)
-        axes.plot(slow / RPM, forcing / RPM, color=BLUE, label='least squares, as in 1997')
-    bars = ours.slow / ours.period * ours.period_sigma / RPM
-    axes.errorbar(ours.slow / RPM, ours.forcing / RPM, xerr=bars, fmt='o', color=ORANGE, label='these runs')
-    axes.plot(theirs.slow / RPM, theirs.forcing / RPM, 's', color=GREY, label='1997')
-    axes.set(xlabel='Ω (RPM)', ylabel='ω (RPM)', ylim=(0, 3000))
-    axes.legend(fontsize=8)
-    return figure
 
 
 def recorded_swing(recorded: RecordedRun) -> Figure:

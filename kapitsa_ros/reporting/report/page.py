@@ -15,9 +15,9 @@ from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, readings_of
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.reporting.figures import frequency_sweep, stability_boundaries
+from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
-from kapitsa_ros.reporting.report.drawings import extrapolation, intervals, recorded_spectrum, recorded_swing
+from kapitsa_ros.reporting.report.drawings import intervals, recorded_spectrum, recorded_swing
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import RPM
 

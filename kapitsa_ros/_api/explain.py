@@ -1,0 +1,77 @@
+"""`explain`: which causes fit a table of readings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
+
+from kapitsa_ros._api.inputs import as_plant, as_readings
+from kapitsa_ros._api.result import describe
+from kapitsa_ros.analysis.explain import explain as rank
+from kapitsa_ros.data_frame import data_frame
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from kapitsa_ros._api.inputs import AnyPlant, AnyReadings
+    from kapitsa_ros.analysis.explain import Explanation
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Explanations:
+    """Which causes fit, best first."""
+
+    explanations: tuple[Explanation, ...]
+    indistinguishable: tuple[str, ...]
+    """Those that the readings cannot tell apart."""
+    warnings: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        fitting = [explanation.name for explanation in self.explanations if explanation.fits]
+        return describe(
+            f'Explanations: {len(self.explanations)} causes tried',
+            fitting=', '.join(fitting) or 'none',
+            indistinguishable=', '.join(self.indistinguishable) or 'none',
+            warnings='; '.join(self.warnings) or 'none',
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row a cause; `value` and its interval are in SI units."""
+        rows = [asdict(explanation) for explanation in self.explanations]
+        ends = [row.pop('interval') or (None, None) for row in rows]
+        columns = {name: [row[name] for row in rows] for name in rows[0]}
+        columns['rms_misfit_s'] = columns.pop('rms_misfit')
+        return data_frame(columns | {'low': [low for low, _ in ends], 'high': [high for _, high in ends]})
+
+
+def explain(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Explanations:
+    """Rank the causes that could have made the periods of a table what they are.
+
+    Parameters
+    ----------
+    readings
+        A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
+    plant
+        What it should have been: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
+
+    Returns
+    -------
+    Explanations
+        With `.warnings` and `.to_pandas()`.
+
+    Raises
+    ------
+    KapitsaError
+        The table cannot be read, or has fewer than two speeds.
+
+    Examples
+    --------
+    >>> import kapitsa_ros as kr
+    >>> 'inertia_factor' in kr.explain('1997').indistinguishable
+    True
+
+    """
+    ranking = rank(as_readings(readings), as_plant(plant))
+    return Explanations(
+        explanations=ranking.explanations, indistinguishable=ranking.indistinguishable, warnings=ranking.warnings
+    )

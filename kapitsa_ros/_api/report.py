@@ -1,0 +1,78 @@
+"""`report`: one self-contained page about recorded runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kapitsa_ros._api.inputs import as_readings
+from kapitsa_ros._api.result import describe, speed_text
+from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.recording.naming import repeats
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kapitsa_ros.reporting.report.content import Content
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Report:
+    """A page that was written, and the numbers in it."""
+
+    output: Path
+    content: Content
+    warnings: tuple[str, ...]
+    """Which bags were given twice."""
+
+    def __repr__(self) -> str:
+        estimates = {each.name.replace(' ', '_'): speed_text(each.value) for each in self.content.estimates}
+        return describe(
+            f'Report on {len(self.content.runs)} run(s): {self.output}',
+            **estimates,
+            predicted=speed_text(self.content.predicted),
+            warnings='; '.join(self.warnings) or 'none',
+        )
+
+
+def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Report:
+    """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan.
+
+    Parameters
+    ----------
+    bags
+        Folders of the runs; the readings of one that is given twice count twice, and `.warnings` says so.
+    output
+        The HTML file to write; its folder must be there.
+
+    Returns
+    -------
+    Report
+        The path and the numbers of the page.
+
+    Raises
+    ------
+    KapitsaError
+        A bag cannot be read, the runs do not belong together, or the `report` extra is not installed.
+
+    Examples
+    --------
+    >>> import kapitsa_ros as kr
+    >>> kr.report(['bags/run_01_2240rpm', 'bags/run_02_2640rpm'], 'report.html').output  # doctest: +SKIP
+    PosixPath('report.html')
+
+    """
+    page = Path(output)
+    if not page.parent.is_dir():
+        raise UsageError(f'output {page}: there is no directory {page.parent}: make it first')
+    try:
+        from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
+    except ImportError as error:
+        raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
+    content = gather([RunBag(path).recorded for path in paths], as_readings('1997'))
+    page.write_text(render(content), encoding='utf-8')
+    return Report(output=page, content=content, warnings=repeats(paths))
