@@ -21,7 +21,7 @@ SAID = {
     'simulate': 'speed     261.799 rad/s (2500 RPM)',
     'stability_map': 'speeds      700 of 52.3599 rad/s (500 RPM)',
     'read_bag': 'angle_rad',
-    'reduce': 'inverse_ols          171.74 rad/s (1639.99 RPM)',
+    'reduce': 'inverse ols          171.74 rad/s (1639.99 RPM)',
     'explain': 'inertia_factor',
     'plan': 'PlannedProtocol',
     'campaign': 'CampaignResult: 16 experiments, 0 without',
