@@ -1,4 +1,4 @@
-"""What lies before the person: the knobs and where they stand, what is seen and heard, what is written down."""
+"""State of the bench: knobs, what the graph has published, readings written down."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _FALLEN = 1.5
 
 
 class BenchState:
-    """Everything at the bench that is no process and no screen.
+    """State of the bench, without processes and without a screen.
 
     Simulated time is in seconds of the run, wall time in seconds of a monotonic clock.
 
@@ -73,7 +73,7 @@ class BenchState:
         self.run = 0
         """Number of the run; 0: the nodes are not ready yet."""
         self.speed = 0.0
-        """Asked for, RPM."""
+        """Requested, RPM."""
         self.release = 0.12
         """Angle of the next release, rad."""
         self.images = 2
@@ -95,7 +95,7 @@ class BenchState:
         self.messages.append(message)
 
     def receive(self, news: list[News], wall: float) -> None:
-        """Take in what the graph said, and when that came."""
+        """Take messages of the graph that came at a wall time."""
         for topic, step_id, value in news:
             if topic == RESULT.name:
                 self._receive_result(value)
@@ -114,7 +114,7 @@ class BenchState:
                 self.rig_readings.append((step_id.run, value))
 
     def set_speed(self, rpm: float) -> None:
-        """Note what speed is asked for.
+        """Note the requested speed.
 
         Raises
         ------
@@ -209,7 +209,7 @@ class BenchState:
         self.watch.press(now)
 
     def write_down(self, now: float) -> None:
-        """Write forcing speed and period into the table, unless something is amiss, which is said."""
+        """Write forcing speed and period into the table, or notify the person why not."""
         if self.watch.runs:
             self.notify('not written down: stop the watch first (space)')
             return
@@ -242,7 +242,7 @@ class BenchState:
     def _receive_result(self, result: dict[str, dict[str, float | None]]) -> None:
         for name, values in result.items():
             if name.startswith('run '):
-                self.notify(f'{name} is over; the crew read {_result_text(values)}')
+                self.notify(f'{name} is over; the rig read {_result_text(values)}')
 
 
 def _result_text(values: dict[str, float | None]) -> str:

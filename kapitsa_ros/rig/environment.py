@@ -1,4 +1,4 @@
-"""The environment of a node process: its domain, and loopback only unless the user asked for more."""
+"""The environment of a node process: its domain, and loopback only unless the user requested for more."""
 
 from __future__ import annotations
 
@@ -50,10 +50,10 @@ def on_loopback() -> Iterator[None]:
 
 def loopback() -> dict[str, str]:
     """Return what the environment lacks to stay on this machine, unless it says something else."""
-    asked = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    if asked != 'LOCALHOST':
+    requested = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    if requested != 'LOCALHOST':
         return {}
     # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
     profile = str(resource_path('config', 'loopback.xml'))
-    wanted = {'ROS_AUTOMATIC_DISCOVERY_RANGE': asked, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
-    return {name: value for name, value in wanted.items() if name not in os.environ}
+    settings = {'ROS_AUTOMATIC_DISCOVERY_RANGE': requested, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
+    return {name: value for name, value in settings.items() if name not in os.environ}

@@ -1,4 +1,4 @@
-"""The rig in the hands of a Python program: start it, drive it, wait for what it says, stop it whatever happens."""
+"""The rig for Python programs: a context that starts, drives, reads and stops the graph."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class Rig:
         if unknown := set(self._roles) - set(ROLE_NAMES):
             raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLE_NAMES)}')
         self._preset, self._instruments, self._protocol = preset, instruments, protocol
-        self._seed, self._rate, self._wanted_domain = seed, rate, domain
+        self._seed, self._rate, self._requested_domain = seed, rate, domain
         self._given_bags = bags
         self._stack = ExitStack()
         self.domain: int
@@ -113,14 +113,14 @@ class Rig:
                 rate=self._rate,
                 bags=self.bags,
             )
-            told = parameters(setup)
+            values = parameters(setup)
             stack.enter_context(removing_stale_segments())
-            self.domain = stack.enter_context(reserved_domain(self._wanted_domain))
+            self.domain = stack.enter_context(reserved_domain(self._requested_domain))
             with on_loopback():
                 client = RigClient(self.domain)
             self._client = stack.enter_context(client)
-            expected = [*told['expect'], CLIENT.name]
-            self._nodes = stack.enter_context(NodeGroup(self._roles, told | {'expect': expected}, self.domain))
+            expected = [*values['expect'], CLIENT.name]
+            self._nodes = stack.enter_context(NodeGroup(self._roles, values | {'expect': expected}, self.domain))
             self._stack = stack.pop_all()
         return self
 

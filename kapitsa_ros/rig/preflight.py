@@ -1,4 +1,4 @@
-"""What is made sure before a rig starts, so that a session does not fail where it could have been refused."""
+"""Checks before a rig starts: what cannot work is refused before a node runs."""
 
 from __future__ import annotations
 

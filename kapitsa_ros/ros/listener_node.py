@@ -1,4 +1,4 @@
-"""A participant in another process than the nodes': listens from a thread of its own."""
+"""Base of the nodes that listen from a program's own process, in a thread of their own."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
 PATIENCE = 1.0
-"""Seconds for which the domain may take to come to rest before a spectator leaves it."""
+"""Seconds for which the domain may take to come to rest before a listener leaves it."""
 
 
 class ListenerNode:
@@ -26,7 +26,7 @@ class ListenerNode:
     Parameters
     ----------
     name
-        Of the node; the roles may be told to wait for it.
+        Of the node; roles wait for it if their parameter `expect` names it.
     domain
         ROS domain of the rig.
 

@@ -1,4 +1,4 @@
-"""One node as a process: it runs until its session is over or a signal comes."""
+"""A node's process: runs it until the session is over or a signal comes, and returns the exit status."""
 
 from __future__ import annotations
 

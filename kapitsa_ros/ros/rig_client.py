@@ -1,4 +1,4 @@
-"""A hand and an eye in somebody's own process: asks for things, calls services, keeps what the graph says."""
+"""Client node for programs: publishes requests, calls the jigsaw's services, buffers the numbered topics."""
 
 from __future__ import annotations
 

@@ -61,10 +61,10 @@ def reduce(readings: Readings, plant: Plant, *, as_json: bool) -> None:
 def _warnings(discrepancy: float | None) -> list[str]:
     if discrepancy == 0.0:
         return []
-    said = 'the readings lie farther from any line than their errors allow'
+    finding = 'the readings lie farther from any line than their errors allow'
     if discrepancy is None:
-        return [f'{said}: they contradict one another, and bound nothing']
-    return [f'{said}: {100.0 * discrepancy:.2g} % of each period is added to its error']
+        return [f'{finding}: they contradict one another, and bound nothing']
+    return [f'{finding}: {100.0 * discrepancy:.2g} % of each period is added to its error']
 
 
 def _rpm(speed: float | None) -> float | None:
