@@ -98,16 +98,19 @@ class NodeGroup:
 
     def stop(self, grace: float) -> None:
         """End every node: with SIGINT, and with SIGKILL if it still runs after `grace` seconds."""
-        for number in (signal.SIGCONT, signal.SIGINT):
+        try:
+            for number in (signal.SIGCONT, signal.SIGINT):
+                for process in self._processes:
+                    process.end(number)
+            deadline = time.monotonic() + grace
             for process in self._processes:
-                process.end(number)
-        deadline = time.monotonic() + grace
-        for process in self._processes:
-            _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
-            process.end(signal.SIGKILL)
-        for process in self._processes:
-            process.close()
-        self._processes.clear()
+                _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
+        finally:  # also where a signal interrupts the wait
+            for process in self._processes:
+                process.end(signal.SIGKILL)
+            for process in self._processes:
+                process.close()
+            self._processes.clear()
 
 
 def _wait_until_readable(descriptors: Sequence[int], timeout: float) -> None:

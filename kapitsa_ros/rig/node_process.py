@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import yaml
@@ -57,9 +58,14 @@ class NodeProcess:
             )
         finally:
             os.close(file)
-        self.pidfd = os.pidfd_open(self._process.pid)
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
+        with ExitStack() as failed_start:
+            failed_start.push(self._process)
+            failed_start.callback(self._process.kill)
+            self.pidfd = os.pidfd_open(self._process.pid)
+            failed_start.callback(os.close, self.pidfd)
+            self._reader = threading.Thread(target=self._read, daemon=True)
+            self._reader.start()
+            failed_start.pop_all()
 
     @property
     def pid(self) -> int:
