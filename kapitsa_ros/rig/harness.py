@@ -128,7 +128,7 @@ class Rig:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop the nodes."""
-        self._stack.close()
+        self._stack.__exit__(kind, error, trace)
 
     def request_speed(self, rpm: float) -> None:
         """Ask the operator for a forcing speed, RPM.
@@ -197,6 +197,7 @@ class Rig:
     def latest(self, topic: str) -> Any:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""
         self._nodes.check()
+        self._client.check()
         return self._client.latest(_known(topic))
 
     def pause(self) -> None:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Self
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
 from kapitsa_ros.ros.shutdown import wait_until_quiet
 
 if TYPE_CHECKING:
@@ -50,13 +50,15 @@ class ListenerNode:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop listening."""
+        """Stop listening; raise what a callback has raised, unless something else is being raised."""
         self._context.try_shutdown()
         self._thread.join()
         self._executor.shutdown()
         # Others may just be leaving.
         wait_until_quiet(self._domain, PATIENCE)
         self._node.destroy_node()
+        if error is None:
+            self.check()
 
     def check(self) -> None:
         """Raise what a callback has raised: after that nothing more is heard."""
@@ -70,8 +72,7 @@ class ListenerNode:
         try:
             while self._context.ok():
                 self._executor.spin_once(timeout_sec=0.2)
-        except ExternalShutdownException:
-            pass
         except Exception as error:  # noqa: BLE001  # it is raised where somebody waits
-            self._failure = error
-            self.wake()
+            if self._context.ok() or not is_of_rclpy(error):
+                self._failure = error
+                self.wake()

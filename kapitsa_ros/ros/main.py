@@ -11,19 +11,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import rclpy
-from rclpy._rclpy_pybind11 import (  # a params file that cannot be parsed has no public type
-    InvalidHandle,
-    RCLError,
-    UnknownROSArgsError,
-)
-from rclpy.exceptions import NotInitializedException
-from rclpy.executors import ExternalShutdownException
+from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.experimental import EventsExecutor
 
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
 from kapitsa_ros.network.registry import NODE_NAMES
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 
@@ -65,7 +60,7 @@ def main(arguments: list[str] | None = None) -> int:
         print(f'{role}: error: {error}', file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
-        if _is_of_rclpy(error) and not rclpy.ok():
+        if is_of_rclpy(error) and not rclpy.ok():
             status = 0
         else:
             if node is not None:
@@ -81,16 +76,6 @@ def main(arguments: list[str] | None = None) -> int:
             watchdog.disarm()
         ignore_signals()
     return status
-
-
-def _is_of_rclpy(error: Exception) -> bool:
-    """Whether an error was raised by rclpy, in Python or below it."""
-    if isinstance(error, ExternalShutdownException | NotInitializedException | RCLError | InvalidHandle):
-        return True
-    frame = error.__traceback__
-    while frame is not None and frame.tb_next is not None:
-        frame = frame.tb_next
-    return frame is not None and str(frame.tb_frame.f_globals.get('__name__')).startswith('rclpy')
 
 
 def _start(arguments: list[str]) -> None:

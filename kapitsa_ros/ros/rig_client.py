@@ -85,8 +85,10 @@ class RigClient(ListenerNode):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop listening."""
-        super().__exit__(kind, error, trace)
-        os.close(self.news)
+        try:
+            super().__exit__(kind, error, trace)
+        finally:
+            os.close(self.news)
 
     def clear_news(self) -> None:
         """Make `news` unreadable until something comes."""
