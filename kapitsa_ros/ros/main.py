@@ -6,7 +6,6 @@ import itertools
 import os
 import sys
 import traceback
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,8 +13,7 @@ import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.experimental import EventsExecutor
 
-from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
-from kapitsa_ros.network.registry import NODE_NAMES
+from kapitsa_ros.errors import FAILED, KapitsaError
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
@@ -31,31 +29,37 @@ PATIENCE = 1.0
 """Seconds given to DDS to take a node down."""
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the node named first; what follows are ROS arguments. Return the exit status."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    if not arguments or arguments[0] not in NODE_NAMES:
-        given = repr(arguments[0]) if arguments else 'none'
-        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
-        return WRONG_INPUT
+def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
+    """Run a node until its session is over, a signal comes or its parent is gone.
+
+    Parameters
+    ----------
+    arguments
+        The role, and what follows it.
+    create
+        Makes the node, once ROS is initialised.
+
+    Returns
+    -------
+    int
+        The exit status.
+
+    """
     arguments, parent = split_parent(arguments)
     role = arguments[0]
-    module = import_module(f'kapitsa_ros.nodes.{role}')
-    if {'-h', '--help'} & set(beside_ros(arguments)):
-        print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
-        return 0
     status, node, watchdog = FAILED, None, None
     try:
         _start(arguments)
-        node = _create(module.create)
+        node = _create(create)
         try:
             _spin(node, parent)
         finally:
             node.close()
         status = 0
     except (KapitsaError, OSError) as error:
-        status = getattr(error, 'exit_status', FAILED)
-        if node is not None:
+        if node is None:
+            status = getattr(error, 'exit_status', FAILED)
+        else:  # what a node meets at work is a failure, whatever was given to it
             node.fail(error)
         print(f'{role}: error: {error}', file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down

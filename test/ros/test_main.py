@@ -25,7 +25,7 @@ def interrupt_once_joined(node: subprocess.Popen[str]) -> None:
 
 HOST = """
 import sys, threading
-from kapitsa_ros.ros.main import main
+from kapitsa_ros.nodes.__main__ import main
 status = main(['pendulum'])
 threading.Event().wait(2.0)  # the watchdog of the node would have struck by now
 print('alive', status, flush=True)
@@ -45,7 +45,7 @@ def test_the_program_that_ran_a_node_lives_on(domain: int) -> None:
 BUG = """
 import sys
 import kapitsa_ros.nodes.pendulum as pendulum
-from kapitsa_ros.ros.main import main
+from kapitsa_ros.nodes.__main__ import main
 
 class Broken(pendulum.PendulumNode):
     def poll(self):
@@ -78,7 +78,7 @@ AFTER_A_SIGNAL = """
 import sys
 import rclpy
 import kapitsa_ros.nodes.pendulum as pendulum
-from kapitsa_ros.ros.main import main
+from kapitsa_ros.nodes.__main__ import main
 
 class Broken(pendulum.PendulumNode):
     def close(self):
