@@ -5,18 +5,29 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 
-from kapitsa_ros.ros.signals import leave_on_signals
+from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run the node named first; what follows are ROS arguments. Return the exit status."""
+    """Run the node named first, in a program that goes on afterwards; what follows are ROS arguments.
+
+    Returns
+    -------
+    int
+        The exit status of the node.
+
+    """
+    with restoring_signals():
+        return _run(sys.argv[1:] if arguments is None else arguments)
+
+
+def _run(arguments: list[str]) -> int:
     # Not above: the imports take half a second, in which signals are heard already.
     from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
     from kapitsa_ros.network.registry import NODE_NAMES  # noqa: PLC0415
     from kapitsa_ros.ros.arguments import beside_ros  # noqa: PLC0415
     from kapitsa_ros.ros.main import run  # noqa: PLC0415
 
-    arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] not in NODE_NAMES:
         given = repr(arguments[0]) if arguments else 'none'
         print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
@@ -31,4 +42,4 @@ def main(arguments: list[str] | None = None) -> int:
 
 if __name__ == '__main__':
     leave_on_signals()
-    sys.exit(main())
+    sys.exit(_run(sys.argv[1:]))  # signals stay ignored until the process has ended

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.experimental import EventsExecutor
+from rclpy.signals import uninstall_signal_handlers
 
 from kapitsa_ros.errors import FAILED, KapitsaError
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
@@ -71,6 +72,7 @@ def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
                 node.fail(error)
             traceback.print_exc()
     finally:
+        uninstall_signal_handlers()  # no context does that, and beside those of another the next run would have none
         hold_signals_back()
         if node is not None:
             watchdog = ShutdownWatchdog(PATIENCE, status)

@@ -5,10 +5,29 @@ from __future__ import annotations
 import os
 import signal
 import threading
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 _RCLPY_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 _SIGNALS = (*_RCLPY_SIGNALS, signal.SIGHUP)
 _pending: set[int] = set()
+
+
+@contextmanager
+def restoring_signals() -> Iterator[None]:
+    """Give the signals back to the program, as they were, when the context is left."""
+    handlers = {number: signal.getsignal(number) for number in _SIGNALS}
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, ())
+    try:
+        yield
+    finally:
+        _pending.clear()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def leave_on_signals() -> None:
