@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.experimental import EventsExecutor
-from rclpy.signals import uninstall_signal_handlers
+from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
 from kapitsa_ros.errors import FAILED, KapitsaError
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
@@ -93,7 +93,7 @@ def _start(arguments: list[str]) -> None:
             raise SettingError(f'--params-file {value}: there is no such file')
     hold_signals_back()
     try:
-        rclpy.init(args=arguments)
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
 

@@ -55,7 +55,11 @@ def ignore_signals() -> None:
 
 def let_signals_through() -> None:
     """Unblock signals, deliver the deferred ones, and leave them to rclpy, which shuts its context."""
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, _RCLPY_SIGNALS)
+    from rclpy.signals import SignalHandlerOptions, install_signal_handlers  # noqa: PLC0415  # slow
+
+    # Not by rclpy.init: what reaches a thread of a library, which does not wait, would shut the context at any moment.
+    install_signal_handlers(SignalHandlerOptions.ALL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, _RCLPY_SIGNALS)  # calls Python's handlers of what has come before
     if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
         signal.signal(signal.SIGHUP, lambda *_: signal.raise_signal(signal.SIGTERM))
         # rclpy does not know SIGHUP, and Python sees no signal while it waits in rclpy.
