@@ -63,8 +63,6 @@ class RigClient(ListenerNode):
     """
 
     def __init__(self, domain: int) -> None:
-        self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        """File descriptor."""
         self.seen: dict[str, StepId | None] = dict.fromkeys(topic.name for topic in TOPICS)
         """Number of the newest message by topic; silent ones and ends of runs count too."""
         self._newest: dict[str, _Message] = {}
@@ -80,6 +78,8 @@ class RigClient(ListenerNode):
             name: self._node.create_client(Trigger, f'jigsaw/{name}') for name in ('pause', 'resume', 'step', 'reset')
         }
         self._parameters = self._node.create_client(SetParameters, 'jigsaw/set_parameters')
+        self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)  # last: only leaving the context closes it
+        """File descriptor."""
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

@@ -6,7 +6,7 @@ from click.testing import CliRunner
 from kapitsa_ros.cli.commands.campaign import campaign
 from kapitsa_ros.cli.commands.plan import plan
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
-from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.laboratory.errors import ClusterError
 
 
 def values(command, *arguments):
@@ -47,9 +47,18 @@ def test_cluster_gives_what_the_cores_give():
     assert there['omega_crit_rpm'] == here['omega_crit_rpm']
 
 
+def test_a_cluster_without_workers_is_refused_and_left():
+    distributed = pytest.importorskip('distributed')
+    with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as cluster:
+        with pytest.raises(ClusterError, match='no workers'):
+            DaskCluster(cluster.scheduler_address)
+        with pytest.raises(ValueError, match='No global client'):
+            distributed.get_client()
+
+
 def test_nobody_at_the_address():
     pytest.importorskip('distributed')
-    with pytest.raises(RigError, match='no Dask scheduler'):
+    with pytest.raises(ClusterError, match='no Dask scheduler'):
         DaskCluster('nonsense://127.0.0.1:1')
 
 
