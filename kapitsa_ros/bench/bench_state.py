@@ -16,7 +16,7 @@ from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
 from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
-from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
@@ -122,7 +122,7 @@ class BenchState:
             The jigsaw cannot turn so.
 
         """
-        Requests(MAX_SPEED).ask_speed(rpm * RPM)
+        check_speed(rpm * RPM, MAX_SPEED)
         self.speed = rpm
 
     def set_release(self, angle: float) -> None:
@@ -134,7 +134,7 @@ class BenchState:
             The angle is not within a quarter turn of upright.
 
         """
-        Requests(MAX_SPEED).ask_release(angle)
+        check_release(angle)
         self.release = angle
 
     def set_paused(self, *, paused: bool) -> None:

@@ -15,7 +15,7 @@ from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.network.registry import CLIENT, COMMAND, ROLE_NAMES
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.protocol import MANUAL
-from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.domain import reserved_domain
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from types import TracebackType
 
+    from kapitsa_ros.rig.node_process import NodeProcess
     from kapitsa_ros.ros.rig_client import News
 
 PATIENCE = 30.0
@@ -130,6 +131,11 @@ class Rig:
         """Stop the nodes."""
         self._stack.__exit__(kind, error, trace)
 
+    @property
+    def processes(self) -> dict[str, NodeProcess]:
+        """The nodes' processes by role; those that are somebody else's are not among them."""
+        return {role: self._nodes[role] for role in self._roles}
+
     def request_speed(self, rpm: float) -> None:
         """Ask the operator for a forcing speed, RPM.
 
@@ -139,7 +145,7 @@ class Rig:
             The jigsaw cannot turn so.
 
         """
-        Requests(MAX_SPEED).ask_speed(rpm * RPM)
+        check_speed(rpm * RPM, MAX_SPEED)
         self._ask('operator/speed', rpm * RPM)
 
     def release(self, angle: float) -> None:
@@ -151,7 +157,7 @@ class Rig:
             The angle is not within a quarter turn of upright.
 
         """
-        Requests(MAX_SPEED).ask_release(angle)
+        check_release(angle)
         self._ask('operator/release', angle)
 
     def wait_for(self, topic: str, predicate: Callable[[Any], bool] | None = None, timeout: float = PATIENCE) -> Any:

@@ -460,7 +460,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         await person.told('time runs')
         await pilot.resize_terminal(60, 20)
         await person.until(lambda: 'needs 80 columns' in person.text('small'))
-        rig._nodes['stopwatch'].end(signal.SIGKILL)
+        rig.processes['stopwatch'].end(signal.SIGKILL)
         await person.until(lambda: person.app._exit)
 
     with Rig(rate=1, bags=tmp_path / 'bags') as rig:
