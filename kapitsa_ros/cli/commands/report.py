@@ -7,7 +7,9 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.cli.options import warn_of_repeats
-from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.cli.output_files import check_output
+from kapitsa_ros.replacement import replacing
+from kapitsa_ros.rig.errors import RigError
 
 
 @click.command()
@@ -16,8 +18,7 @@ from kapitsa_ros.rig.errors import RigError, UsageError
 @click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')
 def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan."""
-    if not output.parent.is_dir():
-        raise UsageError(f'--output {output}: there is no directory {output.parent}: make it first')
+    check_output(output)
     warn_of_repeats(bags)
     try:
         import jinja2  # noqa: F401, PLC0415
@@ -31,7 +32,8 @@ def report(*, bags: tuple[Path, ...], output: Path, as_json: bool) -> None:
 
     runs = [RunBag(path).recorded for path in bags]
     page = render(gather(runs, load_table('1997')))
-    output.write_text(page, encoding='utf-8')
+    with replacing(output) as draft:
+        draft.write_text(page, encoding='utf-8')
     if as_json:
         print_json({'output': str(output)})
     else:

@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from kapitsa_ros.cli.options import ANGLE, FREQUENCY, SPEED, json_option, plant_options, print_json
-from kapitsa_ros.cli.output_files import SUFFIXES, write_table
+from kapitsa_ros.cli.output_files import SUFFIXES, check_table_output, write_table
 from kapitsa_ros.physics.flexible_rod import BendingMode, FlexibleTrajectory, simulate_flexible
 from kapitsa_ros.physics.release import Release, Trajectory
 from kapitsa_ros.physics.run_summary import summarise_run
@@ -47,6 +47,8 @@ def simulate(
     as_json: bool,
 ) -> None:
     """Release the rod at rest on a shaking pivot and say what becomes of it."""
+    if output is not None:
+        check_table_output(output)
     run = Release(plant=plant, speed=speed, angle=release, phase=phase, linear=linear)
     bending = _bending(bending_frequency, bending_damping)
     motion = (
