@@ -20,8 +20,8 @@ $(VENV)/.done: setup.py $(CONSTRAINTS)
 	touch $@
 
 experiment: setup
-	rm -rf runs
-	$(BIN)/kapitsa experiment --preset as_built_1997 --bags runs
+	rm -rf experiment_1997
+	$(BIN)/kapitsa experiment --preset as_built_1997 --bags experiment_1997
 
 test: setup
 	$(BIN)/python -m pytest -n 2 --dist loadgroup
@@ -46,4 +46,4 @@ bench: setup
 	$(BIN)/python benchmarks/run_all.py
 
 clean:
-	rm -rf .venv .venv-oldest runs build install log
+	rm -rf .venv .venv-oldest experiment_1997 build install log

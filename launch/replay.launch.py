@@ -22,22 +22,22 @@ ARGUMENTS = {
 
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer, and both roles with the bags in the folder, in the order of their names."""
-    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    told = replay_from(said)
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    values = replay_from(arguments)
     started: list[LaunchDescriptionEntity] = [
         Node(
             package='kapitsa_ros',
             executable=role,
             name=role,
-            parameters=[told],
+            parameters=[values],
             output='screen',
             on_exit=end_with_failed,
         )
         for role in REPLAY_NAMES
     ]
-    if said['viewer'] != 'none':
-        plant = RunBag(Path(told['bags'][0])).run.plant
-        drawn = {'viewer': said['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
+    if arguments['viewer'] != 'none':
+        plant = RunBag(Path(values['bags'][0])).run.plant
+        drawn = {'viewer': arguments['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
         path = Path(__file__).with_name('viewer.launch.py')
         # First, so that nothing has started when its package is missing.
         started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=drawn.items()))
@@ -50,5 +50,5 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
         for name, (default, text, choices) in ARGUMENTS.items()
     ]
-    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
-    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])
+    environment = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *environment, OpaqueFunction(function=nodes)])

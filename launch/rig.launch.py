@@ -27,14 +27,14 @@ ARGUMENTS = {
 
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and the roles of the roster with what the arguments say."""
-    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    setup = rig_from(said)
-    told = parameters(setup)
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    setup = rig_from(arguments)
+    values = parameters(setup)
     # First, so that nothing has started when its package is missing.
     viewer = IncludeLaunchDescription(
         str(Path(__file__).with_name('viewer.launch.py')),
         launch_arguments={
-            'viewer': said['viewer'],
+            'viewer': arguments['viewer'],
             'length': str(setup.plant.length),
             'amplitude': str(setup.plant.amplitude),
         }.items(),
@@ -46,7 +46,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
                 package='kapitsa_ros',
                 executable=role,
                 name=role,
-                parameters=[told],
+                parameters=[values],
                 output='screen',
                 on_exit=end_with_failed,
             )
@@ -61,5 +61,5 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
         for name, (default, text, choices) in ARGUMENTS.items()
     ]
-    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
-    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])
+    environment = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *environment, OpaqueFunction(function=nodes)])

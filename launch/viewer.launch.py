@@ -31,10 +31,10 @@ def as_node(program: Program) -> Node:
 
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
-    said = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    plant = Plant(length=float(said['length']), amplitude=float(said['amplitude']))
-    started: list[LaunchDescriptionEntity] = [as_node(program) for program in programs(said['viewer'], plant)]
-    if said['viewer'] == 'foxglove':
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    plant = Plant(length=float(arguments['length']), amplitude=float(arguments['amplitude']))
+    started: list[LaunchDescriptionEntity] = [as_node(program) for program in programs(arguments['viewer'], plant)]
+    if arguments['viewer'] == 'foxglove':
         layout = resource_path('config', 'viewers', 'foxglove.json')
         started.append(
             LogInfo(msg=f'Foxglove: open a connection to ws://127.0.0.1:8765 and import the layout {layout}')
@@ -48,5 +48,5 @@ def generate_launch_description() -> LaunchDescription:
         DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
         for name, (default, text, choices) in ARGUMENTS.items()
     ]
-    here = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
-    return LaunchDescription([*declared, *here, OpaqueFunction(function=nodes)])
+    environment = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
+    return LaunchDescription([*declared, *environment, OpaqueFunction(function=nodes)])

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from kapitsa_ros._api.inputs import as_readings
 from kapitsa_ros._api.result import describe, speed_text
 from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.naming import repeats
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.rig.errors import UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -66,13 +66,14 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Repor
 
     """
     page = Path(output)
-    if not page.parent.is_dir():
-        raise UsageError(f'output {page}: there is no directory {page.parent}: make it first')
+    check_output(page)
     try:
         from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
     except ImportError as error:
         raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
     paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
     content = gather([RunBag(path).recorded for path in paths], as_readings('1997'))
-    page.write_text(render(content), encoding='utf-8')
+    html = render(content)
+    with replacing(page) as draft:
+        draft.write_text(html, encoding='utf-8')
     return Report(output=page, content=content, warnings=repeats(paths))

@@ -1,4 +1,4 @@
-"""The bench on a terminal: keys in, panels out."""
+"""The bench's terminal application: key bindings in, panels out."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 WIDTH, HEIGHT = 80, 24
 """Smallest terminal, characters."""
-_PICTURES = 20.0
-"""A second."""
+_FRAME_RATE = 20.0
+"""Hz."""
 _PATIENCE = 5.0
 """Wall seconds given to the run to end."""
 _SLOWEST, _FASTEST = 1 / 8, 32.0
@@ -48,7 +48,7 @@ _QUESTIONS = {
 
 
 class _Callback(Message):
-    """From the thread that works the rig."""
+    """A call for the screen's own thread, posted from another one."""
 
     def __init__(self, act: Callable[[], None]) -> None:
         super().__init__()
@@ -56,7 +56,7 @@ class _Callback(Message):
 
 
 class _Help(ModalScreen[None]):
-    """Goes at any key."""
+    """The help screen: any key closes it."""
 
     DEFAULT_CSS = """
     _Help { align: center middle; }
@@ -78,8 +78,8 @@ class BenchApp(App[RigError]):
     ----------
     rig
         Started with the protocol `manual`; the screen alone uses it while it runs.
-    desk
-        Of this rig.
+    state
+        Of this rig's bench.
     title
         What is on the bench.
 
@@ -92,12 +92,12 @@ class BenchApp(App[RigError]):
     #status { height: 1; background: $primary-background; }
     #seen { height: 1fr; }
     #read { height: 8; }
-    #rod, #marks, #knobs, #own_readings, #rig_readings { border: round $primary; padding: 0 1; height: 100%; }
+    #rod, #marks, #knobs, #own-readings, #rig-readings { border: round $primary; padding: 0 1; height: 100%; }
     #rod { width: 1fr; }
     #marks { width: 22; }
     #knobs { width: 36; }
-    #own_readings { width: 36; }
-    #rig_readings { width: 1fr; }
+    #own-readings { width: 36; }
+    #rig-readings { width: 1fr; }
     #messages { height: 3; padding: 0 1; color: $warning; }
     #question { height: 1; }
     #question Static { width: auto; padding: 0 0 0 1; }
@@ -115,7 +115,7 @@ class BenchApp(App[RigError]):
         self.hung_up = False
         """Whether the terminal was closed."""
         self._worker = RigWorker(rig, self)
-        self._asked: str | None = None
+        self._question: str | None = None
         """What is being typed; None: keys are knobs."""
         self._leaving = False
         self._shown: dict[str, Text] = {}
@@ -129,17 +129,17 @@ class BenchApp(App[RigError]):
                 yield _panel('marks', 'under the lamp')
                 yield _panel('knobs', 'your hands')
             with Horizontal(id='read'):
-                yield _panel('own_readings', 'your table')
-                yield _panel('rig_readings', "what the rig's own instruments read")
+                yield _panel('own-readings', 'your table')
+                yield _panel('rig-readings', 'the rig reads')
             yield Static(id='messages')
             with Horizontal(id='question'):
-                yield Static(id='asked')
+                yield Static(id='question-text')
                 yield Input(id='answer')
         yield Static(id='small')
         yield Footer()
 
     def on_mount(self) -> None:
-        """Begin to listen, and to draw."""
+        """Start the rig's thread, signal handlers and drawing."""
         self.query_one('#question').display = False
         self.query_one('#small', Static).update(f'the bench needs {WIDTH} columns and {HEIGHT} lines')
         loop = asyncio.get_running_loop()
@@ -148,10 +148,10 @@ class BenchApp(App[RigError]):
         loop.add_signal_handler(signal.SIGHUP, self._hang_up)
         self.state.notify('? explains the keys')
         self._worker.start()
-        self.set_interval(1 / _PICTURES, self._draw)
+        self.set_interval(1 / _FRAME_RATE, self._draw)
 
     def on_unmount(self) -> None:
-        """Let go of the rig."""
+        """Stop the rig's thread."""
         self._worker.stop()
 
     def on_resize(self, event: events.Resize) -> None:
@@ -160,18 +160,18 @@ class BenchApp(App[RigError]):
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:  # noqa: ARG002
         """Let questions, whose keys go before all others so that no digit is lost, leave letters to what is typed."""
-        return action != 'ask' or (self._asked is None and len(self.screen_stack) == 1)
+        return action != 'ask' or (self._question is None and len(self.screen_stack) == 1)
 
     def receive(self, news: list[News], wall: float) -> None:
-        """Take news from the thread that works the rig."""
+        """Hand messages of the graph to the state; called from the rig's thread."""
         self._post(lambda: self.state.receive(news, wall))
 
     def receive_refusal(self, why: str) -> None:
-        """Take from the same thread that something could not be done."""
+        """Show why an order was refused; called from the rig's thread."""
         self._post(lambda: self.state.notify(why))
 
     def receive_failure(self, error: RigError) -> None:
-        """Take from the same thread that it is over."""
+        """Leave with an error; called from the rig's thread."""
         self._post(lambda: self.exit(error))
 
     def action_speed(self, change: int) -> None:
@@ -248,8 +248,8 @@ class BenchApp(App[RigError]):
 
     def action_ask(self, what: str) -> None:
         """Let something be typed."""
-        self._asked = what
-        self.query_one('#asked', Static).update(_QUESTIONS[what])
+        self._question = what
+        self.query_one('#question-text', Static).update(_QUESTIONS[what])
         answer = self.query_one('#answer', Input)
         answer.value = ''
         self.query_one('#question').display = True
@@ -257,20 +257,20 @@ class BenchApp(App[RigError]):
 
     def action_answer_nothing(self) -> None:
         """Leave a question open."""
-        self._asked = None
+        self._question = None
         self.query_one('#question').display = False
         self.set_focus(None)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Do what was typed, or say why not."""
-        asked, typed = self._asked, event.value.strip()
+        question, typed = self._question, event.value.strip()
         self.action_answer_nothing()
         if not typed:
             return
         try:
-            if asked == 'speed':
+            if question == 'speed':
                 self._ask_speed(parse_speed(typed) / RPM)
-            elif asked == 'dial':
+            elif question == 'dial':
                 self.state.turn_dial(parse_speed(typed) / RPM)
             else:
                 self.state.set_release(parse_angle(typed))
@@ -309,7 +309,7 @@ class BenchApp(App[RigError]):
             self.state.set_speed(before)
 
     def _order(self, act: Callable[[Rig], None], then: Callable[[], None] | None = None) -> bool:
-        """Have something done, and then, here, what follows from it; return False where that is too early."""
+        """Order something from the rig's thread, and `then` in this one; return False before the first run."""
         if not self.state.run:
             self.state.notify('the nodes are starting: a moment')
             return False
@@ -323,12 +323,12 @@ class BenchApp(App[RigError]):
         return True
 
     def _post(self, act: Callable[[], None]) -> None:
-        """Have something done by the screen; from any thread."""
+        """Let the screen's own thread make a call; may be called from any thread."""
         self.post_message(_Callback(act))
 
-    def on__callback(self, word: _Callback) -> None:
-        """Do it."""
-        word.act()
+    def on__callback(self, message: _Callback) -> None:
+        """Make a call that another thread has posted."""
+        message.act()
 
     def _now(self) -> float:
         return self.state.clock.now(time.monotonic())
@@ -345,7 +345,7 @@ class BenchApp(App[RigError]):
                 self._show(name, panel(self.state, now, width, height))
 
     def _show(self, name: str, text: Text) -> None:
-        """Draw a panel anew, if it changed: most do not, from one picture to the next."""
+        """Redraw a panel if it changed: most do not from one frame to the next."""
         if self._shown.get(name) != text:
             self._shown[name] = text
             self.query_one(f'#{name}', Static).update(text)

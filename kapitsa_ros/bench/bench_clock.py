@@ -32,7 +32,7 @@ class BenchClock:
 
     @property
     def rate(self) -> float:
-        """Simulated over wall seconds, as asked."""
+        """Simulated over wall seconds, as requested."""
         return self._rate
 
     @rate.setter
@@ -45,7 +45,7 @@ class BenchClock:
         """Begin with a new run."""
         self._offset = None
         self._end = 0.0
-        self._told = 0.0
+        self._shown = 0.0
         self.measure_anew()
 
     def measure_anew(self) -> None:
@@ -72,10 +72,10 @@ class BenchClock:
     def now(self, wall: float) -> float:
         """Return the simulated time, s of the run: it never goes back, and not beyond what is known."""
         if self._offset is None:
-            return self._told
+            return self._shown
         led = self._end if self._rate == 0 else self._rate * wall + self._offset
-        self._told = max(self._told, min(led, self._end))
-        return self._told
+        self._shown = max(self._shown, min(led, self._end))
+        return self._shown
 
     def measured_rate(self, wall: float) -> float:
         """Return simulated over wall seconds of late; NaN where not enough is known."""

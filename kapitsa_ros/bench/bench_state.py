@@ -1,4 +1,4 @@
-"""What lies before the person: the knobs and where they stand, what is seen and heard, what is written down."""
+"""State of the bench: knobs, what the graph has published, readings written down."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
 from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
-from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
@@ -47,7 +47,7 @@ _FALLEN = 1.5
 
 
 class BenchState:
-    """Everything at the bench that is no process and no screen.
+    """State of the bench, without processes and without a screen.
 
     Simulated time is in seconds of the run, wall time in seconds of a monotonic clock.
 
@@ -73,7 +73,7 @@ class BenchState:
         self.run = 0
         """Number of the run; 0: the nodes are not ready yet."""
         self.speed = 0.0
-        """Asked for, RPM."""
+        """Requested, RPM."""
         self.release = 0.12
         """Angle of the next release, rad."""
         self.images = 2
@@ -95,7 +95,7 @@ class BenchState:
         self.messages.append(message)
 
     def receive(self, news: list[News], wall: float) -> None:
-        """Take in what the graph said, and when that came."""
+        """Take messages of the graph that came at a wall time."""
         for topic, step_id, value in news:
             if topic == RESULT.name:
                 self._receive_result(value)
@@ -114,7 +114,7 @@ class BenchState:
                 self.rig_readings.append((step_id.run, value))
 
     def set_speed(self, rpm: float) -> None:
-        """Note what speed is asked for.
+        """Note the requested speed.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class BenchState:
             The jigsaw cannot turn so.
 
         """
-        Requests(MAX_SPEED).ask_speed(rpm * RPM)
+        check_speed(rpm * RPM, MAX_SPEED)
         self.speed = rpm
 
     def set_release(self, angle: float) -> None:
@@ -134,7 +134,7 @@ class BenchState:
             The angle is not within a quarter turn of upright.
 
         """
-        Requests(MAX_SPEED).ask_release(angle)
+        check_release(angle)
         self.release = angle
 
     def set_paused(self, *, paused: bool) -> None:
@@ -209,7 +209,7 @@ class BenchState:
         self.watch.press(now)
 
     def write_down(self, now: float) -> None:
-        """Write forcing speed and period into the table, unless something is amiss, which is said."""
+        """Write forcing speed and period into the table, or notify the person why not."""
         if self.watch.runs:
             self.notify('not written down: stop the watch first (space)')
             return

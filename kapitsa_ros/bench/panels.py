@@ -1,4 +1,4 @@
-"""What the panels of the screen say, from what lies on the desk."""
+"""Text of the screen's panels, made from the state of the bench."""
 
 from __future__ import annotations
 
@@ -116,9 +116,9 @@ def status(state: BenchState, title: str, now: float, wall: float) -> Text:
     text.append(f' {title}', 'bold')
     if state.run:
         text.append(f'   run {state.run}   {now:7.1f} s   ')
-        asked = 'as fast as it can' if state.clock.rate == 0 else f'× {state.clock.rate:g}'
+        requested = 'as fast as it can' if state.clock.rate == 0 else f'× {state.clock.rate:g}'
         measured = state.clock.measured_rate(wall)
-        text.append(asked if math.isnan(measured) or state.paused else f'{asked} (is {measured:.2f})')
+        text.append(requested if math.isnan(measured) or state.paused else f'{requested} (is {measured:.2f})')
         if state.paused:
             text.append('   PAUSED', 'bold reverse')
     return text
@@ -128,8 +128,8 @@ PANELS: dict[str, Panel] = {
     'rod': rod,
     'marks': marks,
     'knobs': knobs,
-    'own_readings': own_readings,
-    'rig_readings': rig_readings,
+    'own-readings': own_readings,
+    'rig-readings': rig_readings,
     'messages': messages,
 }
-"""By name on the screen."""
+"""By widget id."""

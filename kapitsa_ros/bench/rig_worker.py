@@ -1,4 +1,4 @@
-"""The one thread that works the rig: carries out orders, and hands on what the graph says."""
+"""The thread that uses the rig: carries out orders, and passes on messages of the graph."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ GRACE = 3.0
 
 
 class Listener(Protocol):
-    """Who is told; called from the thread."""
+    """Receives what happens; called from the worker's thread."""
 
     def receive(self, news: list[News], wall: float) -> None:
-        """Take what the graph said, and when it came (wall clock, s)."""
+        """Take messages of the graph, and when they came (wall clock, s)."""
 
     def receive_refusal(self, why: str) -> None:
-        """Take that an order could not be carried out."""
+        """Take why an order could not be carried out."""
 
     def receive_failure(self, error: RigError) -> None:
-        """Take that the rig is no more; nothing follows."""
+        """Take the error that ended the rig; nothing follows."""
 
 
 class RigWorker:
@@ -44,8 +44,8 @@ class RigWorker:
     ----------
     rig
         Nobody else may use it meanwhile.
-    ears
-        Who is told.
+    listener
+        Receives what happens.
 
     """
 

@@ -1,4 +1,4 @@
-"""One sitting at the bench: the rig, the screen, and what is left when the person goes."""
+"""One bench session: start the rig, show the screen, list the files that were written."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant
 
 
-def work_at_bench(  # noqa: PLR0917  # what the command was told
+def work_at_bench(  # noqa: PLR0917  # the command's options
     plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path
 ) -> None:
     """Start a rig, let a person work it until they leave, and say where things are.

@@ -16,7 +16,7 @@ class HandStopwatch:
     Parameters
     ----------
     settings
-        Its `rate_error` and `display_resolution` are used; the thumb is the person's.
+        Its `rate_error` and `display_resolution` are used; the press errors are the person's own.
 
     """
 

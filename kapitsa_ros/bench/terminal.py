@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class _Screen(io.TextIOWrapper):
-    """A terminal that may be closed at any time: what is written after that is lost, and nobody is told."""
+    """A terminal that may be closed at any time: what is written after that is lost without an error."""
 
     def write(self, text: str) -> int:
         with suppress(OSError):

@@ -1,45 +1,71 @@
-"""Columns of numbers written to a file, its kind told by its name."""
+"""Output files: checked before the work, written as a whole; tables in the format that their name tells."""
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.errors import OPTION
+from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.rig.errors import UsageError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from numpy.typing import NDArray
 
+    Columns = Mapping[str, NDArray[np.float64]]
+
 SUFFIXES = '.csv, .npz or .parquet'
 
 
-def write_table(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
+def check_table_output(path: Path) -> None:
+    """Check that a table can be written.
+
+    Raises
+    ------
+    UsageError
+        It cannot be written, its name has another suffix, or it needs pyarrow, which is not installed.
+
+    """
+    if path.suffix not in _WRITERS:
+        raise UsageError(f'{OPTION}: the name must end in {SUFFIXES}', option='output', value=path.name)
+    if path.suffix == '.parquet' and find_spec('pyarrow') is None:
+        raise UsageError(f'{OPTION}: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz', option='output')
+    check_output(path)
+
+
+def write_table(path: Path, columns: Columns) -> None:
     """Write columns of one length with all their digits.
 
     Raises
     ------
     UsageError
-        The name has another suffix, or Parquet is asked for where pyarrow is not installed.
+        As from `check_table_output`.
 
     """
-    if path.suffix == '.csv':
-        rows = np.column_stack(list(columns.values()))
-        np.savetxt(path, rows, fmt='%.17g', delimiter=',', header=','.join(columns), comments='')
-    elif path.suffix == '.npz':
-        np.savez(path, **columns)  # type: ignore[arg-type]  # the stub takes the columns for allow_pickle
-    elif path.suffix == '.parquet':
-        _write_parquet(path, columns)
-    else:
-        raise UsageError(f'--output {path.name}: the name must end in {SUFFIXES}')
+    check_table_output(path)
+    with replacing(path) as draft:
+        _WRITERS[path.suffix](draft, columns)
 
 
-def _write_parquet(path: Path, columns: dict[str, NDArray[np.float64]]) -> None:
-    try:
-        import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-        from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-    except ImportError as error:
-        raise UsageError('--output: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz') from error
-    parquet.write_table(pa.table(columns), path)
+def _write_csv(path: Path, columns: Columns) -> None:
+    rows = np.column_stack(list(columns.values()))
+    np.savetxt(path, rows, fmt='%.17g', delimiter=',', header=','.join(columns), comments='')
+
+
+def _write_npz(path: Path, columns: Columns) -> None:
+    np.savez(path, **columns)  # type: ignore[arg-type]  # the stub takes the columns for allow_pickle
+
+
+def _write_parquet(path: Path, columns: Columns) -> None:
+    import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415  # an extra
+    from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+
+    parquet.write_table(pa.table(dict(columns)), path)
+
+
+_WRITERS = {'.csv': _write_csv, '.npz': _write_npz, '.parquet': _write_parquet}

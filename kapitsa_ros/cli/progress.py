@@ -18,7 +18,7 @@ def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
     """Show how far the graph is; yield what takes the reports."""
     console = Console(file=sys.stderr)
     status = Status(f'starting the graph for {runs} run(s)', console=console)
-    told: set[str] = set()
+    printed: set[str] = set()
 
     def take(values: dict[str, str]) -> None:
         run, simulated, factor = values['run'], float(values['simulated_s']), float(values['realtime_factor'])
@@ -26,8 +26,8 @@ def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
             return
         text = f'run {run} of {runs}: {simulated:.0f} s simulated, {factor:.0f} times real time'
         status.update(text)
-        if not console.is_terminal and run not in told:
-            told.add(run)
+        if not console.is_terminal and run not in printed:
+            printed.add(run)
             console.print(text, highlight=False)
 
     with status:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.laboratory.errors import ClusterError
@@ -33,10 +34,13 @@ class DaskCluster:
             self._client = Client(address, timeout=_PATIENCE)
         except (OSError, ValueError) as error:
             raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
-        self.count = sum(self._client.nthreads().values())
-        """How many experiments are under way at once."""
-        if not self.count:
-            raise ClusterError(f'the Dask scheduler at {address} has no workers: start one')
+        with ExitStack() as failed_start:
+            failed_start.callback(self._client.close)
+            self.count = sum(self._client.nthreads().values())
+            """How many experiments are under way at once."""
+            if not self.count:
+                raise ClusterError(f'the Dask scheduler at {address} has no workers: start one')
+            failed_start.pop_all()
 
     def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
         """Apply a function to many seeds; outcomes come in the order of the seeds."""

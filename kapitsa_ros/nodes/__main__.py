@@ -1,11 +1,45 @@
-"""`python -m kapitsa_ros.nodes NAME`: see `process`."""
+"""`python -m kapitsa_ros.nodes ROLE [--ros-args ...]`: one node as a process."""
+
+from __future__ import annotations
 
 import sys
+from importlib import import_module
 
-from kapitsa_ros.ros.signals import leave_on_signals
+from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run the node named first, in a program that goes on afterwards; what follows are ROS arguments.
+
+    Returns
+    -------
+    int
+        The exit status of the node.
+
+    """
+    with restoring_signals():
+        return _run(sys.argv[1:] if arguments is None else arguments)
+
+
+def _run(arguments: list[str]) -> int:
+    # Not above: the imports take half a second, in which signals are heard already.
+    from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
+    from kapitsa_ros.network.registry import NODE_NAMES  # noqa: PLC0415
+    from kapitsa_ros.ros.arguments import beside_ros  # noqa: PLC0415
+    from kapitsa_ros.ros.main import run  # noqa: PLC0415
+
+    if not arguments or arguments[0] not in NODE_NAMES:
+        given = repr(arguments[0]) if arguments else 'none'
+        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
+        return WRONG_INPUT
+    role = arguments[0]
+    module = import_module(f'kapitsa_ros.nodes.{role}')
+    if {'-h', '--help'} & set(beside_ros(arguments)):
+        print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
+        return 0
+    return run(arguments, module.create)
+
 
 if __name__ == '__main__':
-    leave_on_signals()  # the import takes half a second
-    from kapitsa_ros.ros.main import main
-
-    sys.exit(main())
+    leave_on_signals()
+    sys.exit(_run(sys.argv[1:]))  # signals stay ignored until the process has ended

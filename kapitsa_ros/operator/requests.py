@@ -8,6 +8,34 @@ from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.units import RPM
 
 
+def check_speed(speed: float, max_speed: float) -> None:
+    """Check a forcing speed that is requested, rad/s, against the fastest the shaft can turn.
+
+    Raises
+    ------
+    RequestError
+        The shaft cannot turn so.
+
+    """
+    if not 0 <= speed <= max_speed:
+        raise RequestError(
+            f'a speed of {speed} rad/s: the jigsaw does 0 to {max_speed:.6g} rad/s ({max_speed / RPM:.0f} RPM)'
+        )
+
+
+def check_release(angle: float) -> None:
+    """Check an angle from which a release is requested, rad.
+
+    Raises
+    ------
+    RequestError
+        It is no angle above the horizontal.
+
+    """
+    if not abs(angle) < math.pi / 2:
+        raise RequestError(f'a release from {angle} rad: give an angle within a quarter turn of upright')
+
+
 class Requests:
     """What a person asks for; of several requests between two steps the newest counts.
 
@@ -32,11 +60,7 @@ class Requests:
             The shaft cannot turn so.
 
         """
-        if not 0 <= speed <= self._max_speed:
-            raise RequestError(
-                f'a speed of {speed} rad/s: the jigsaw does 0 to {self._max_speed:.6g} rad/s '
-                f'({self._max_speed / RPM:.0f} RPM)'
-            )
+        check_speed(speed, self._max_speed)
         self._speed = speed
 
     def ask_release(self, angle: float) -> None:
@@ -48,8 +72,7 @@ class Requests:
             It is no angle above the horizontal.
 
         """
-        if not abs(angle) < math.pi / 2:
-            raise RequestError(f'a release from {angle} rad: give an angle within a quarter turn of upright')
+        check_release(angle)
         self._angle = angle
 
     def take_speed(self) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.errors import OPTION
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.units import RPM
 
@@ -36,9 +37,13 @@ def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
         try:
             there = path.exists()
         except OSError as error:
-            raise BagError(f'--bags {bags}: cannot be looked into ({error.strerror}); give another folder') from error
+            raise BagError(
+                f'{OPTION}: cannot be looked into ({error.strerror}); give another folder', option='bags', value=bags
+            ) from error
         if there:
-            raise BagError(f'{path} exists: runs are never overwritten, give another --bags or move it away')
+            raise BagError(
+                f'{path} exists: runs are never overwritten, give another {OPTION} or move it away', option='bags'
+            )
 
 
 def repeats(bags: Sequence[Path]) -> tuple[str, ...]:

@@ -18,8 +18,8 @@ HIGHEST = 101
 
 
 @contextmanager
-def reserved_domain(wanted: int | None = None) -> Iterator[int]:
-    """Reserve a domain while the context lasts: the one wanted, else ROS_DOMAIN_ID, else a free one.
+def reserved_domain(requested: int | None = None) -> Iterator[int]:
+    """Reserve a domain while the context lasts: the requested one, else ROS_DOMAIN_ID, else a free one.
 
     Raises
     ------
@@ -29,17 +29,17 @@ def reserved_domain(wanted: int | None = None) -> Iterator[int]:
         A rig runs in that domain already, or none is free.
 
     """
-    if wanted is None and (text := os.environ.get('ROS_DOMAIN_ID')):
+    if requested is None and (text := os.environ.get('ROS_DOMAIN_ID')):
         if not text.isdecimal():
             raise UsageError(f'ROS_DOMAIN_ID is {text!r}: give a number from 0 to {HIGHEST}')
-        wanted = int(text)
-    if wanted is not None and not 0 <= wanted <= HIGHEST:
-        raise UsageError(f'ROS_DOMAIN_ID is {wanted}: give a number from 0 to {HIGHEST}')
-    reservation = domain_coordinator.domain_id(None if wanted is None else lambda: wanted)
+        requested = int(text)
+    if requested is not None and not 0 <= requested <= HIGHEST:
+        raise UsageError(f'ROS_DOMAIN_ID is {requested}: give a number from 0 to {HIGHEST}')
+    reservation = domain_coordinator.domain_id(None if requested is None else lambda: requested)
     try:
         domain = reservation.__enter__()
     except RuntimeError as error:
-        taken = 'no domain is free' if wanted is None else f'a rig runs in domain {wanted} already'
+        taken = 'no domain is free' if requested is None else f'a rig runs in domain {requested} already'
         raise RigError(f'{taken}: choose another ROS_DOMAIN_ID, or unset it to get a free one') from error
     try:
         yield domain

@@ -1,4 +1,4 @@
-"""The environment of a node process: its domain, and loopback only unless the user asked for more."""
+"""The environment of a node process: its domain, and loopback only unless the user requested for more."""
 
 from __future__ import annotations
 
@@ -13,23 +13,25 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
+_lock = threading.Lock()
+"""Held while this module reads or changes the environment of the process, which all threads share."""
+_added: dict[str, str] = {}
+"""What the contexts under way have put into the environment."""
+_contexts = 0
+
+
 def node_environment(domain: int) -> dict[str, str]:
     """Return the environment for a node of a rig in a domain."""
-    return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain)}
-
-
-_lock = threading.Lock()
-_added: dict[str, str] = {}
-"""What the contexts under way have put into the environment of this process."""
-_contexts = 0
+    with _lock:
+        return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain)}
 
 
 @contextmanager
 def on_loopback() -> Iterator[None]:
     """Let a participant that this process makes in the context keep to the interfaces of the nodes.
 
-    DDS takes them from the environment of the process, which all threads share: contexts may overlap, and the last one
-    to be left takes out what the first has put in.
+    DDS takes them from the environment of the process: contexts may overlap, and the last one to be left takes out what
+    the first has put in.
     """
     global _contexts  # noqa: PLW0603  # as the environment is
     with _lock:
@@ -43,17 +45,18 @@ def on_loopback() -> Iterator[None]:
         with _lock:
             _contexts -= 1
             if not _contexts:
-                for name in _added:
-                    os.environ.pop(name, None)
+                for name, value in _added.items():
+                    if os.environ.get(name) == value:  # and not what somebody else has set since
+                        del os.environ[name]
                 _added.clear()
 
 
 def loopback() -> dict[str, str]:
     """Return what the environment lacks to stay on this machine, unless it says something else."""
-    asked = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    if asked != 'LOCALHOST':
+    requested = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    if requested != 'LOCALHOST':
         return {}
     # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
     profile = str(resource_path('config', 'loopback.xml'))
-    wanted = {'ROS_AUTOMATIC_DISCOVERY_RANGE': asked, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
-    return {name: value for name, value in wanted.items() if name not in os.environ}
+    settings = {'ROS_AUTOMATIC_DISCOVERY_RANGE': requested, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
+    return {name: value for name, value in settings.items() if name not in os.environ}

@@ -1,4 +1,4 @@
-"""The rig in the hands of a Python program: start it, drive it, wait for what it says, stop it whatever happens."""
+"""The rig for Python programs: a context that starts, drives, reads and stops the graph."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.network.registry import CLIENT, COMMAND, ROLE_NAMES
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.protocol import MANUAL
-from kapitsa_ros.operator.requests import Requests
+from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.quantities import to_si
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     from kapitsa_ros.quantities import AnyQuantity
+    from kapitsa_ros.rig.node_process import NodeProcess
     from kapitsa_ros.ros.rig_client import News
 
 PATIENCE = 30.0
@@ -90,7 +91,7 @@ class Rig:
         if unknown := set(self._roles) - set(ROLE_NAMES):
             raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLE_NAMES)}')
         self._preset, self._instruments, self._protocol = preset, instruments, protocol
-        self._seed, self._rate, self._wanted_domain = seed, rate, domain
+        self._seed, self._rate, self._requested_domain = seed, rate, domain
         self._given_bags = bags
         self._stack = ExitStack()
         self.domain: int
@@ -115,14 +116,14 @@ class Rig:
                 rate=self._rate,
                 bags=self.bags,
             )
-            told = parameters(setup)
+            values = parameters(setup)
             stack.enter_context(removing_stale_segments())
-            self.domain = stack.enter_context(reserved_domain(self._wanted_domain))
+            self.domain = stack.enter_context(reserved_domain(self._requested_domain))
             with on_loopback():
                 client = RigClient(self.domain)
             self._client = stack.enter_context(client)
-            expected = [*told['expect'], CLIENT.name]
-            self._nodes = stack.enter_context(NodeGroup(self._roles, told | {'expect': expected}, self.domain))
+            expected = [*values['expect'], CLIENT.name]
+            self._nodes = stack.enter_context(NodeGroup(self._roles, values | {'expect': expected}, self.domain))
             self._stack = stack.pop_all()
         return self
 
@@ -130,7 +131,12 @@ class Rig:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop the nodes."""
-        self._stack.close()
+        self._stack.__exit__(kind, error, trace)
+
+    @property
+    def processes(self) -> dict[str, NodeProcess]:
+        """The nodes' processes by role; those that are somebody else's are not among them."""
+        return {role: self._nodes[role] for role in self._roles}
 
     def request_speed(self, rpm: AnyQuantity) -> None:
         """Ask the operator for a forcing speed: RPM as on the dial, or with a unit as in `'37.3 Hz'`.
@@ -144,7 +150,7 @@ class Rig:
 
         """
         speed = to_si('speed', rpm, 'rad/s', RPM)
-        Requests(MAX_SPEED).ask_speed(speed)
+        check_speed(speed, MAX_SPEED)
         self._ask('operator/speed', speed)
 
     def release(self, angle: AnyQuantity) -> None:
@@ -159,7 +165,7 @@ class Rig:
 
         """
         radians = to_si('angle', angle, 'rad')
-        Requests(MAX_SPEED).ask_release(radians)
+        check_release(radians)
         self._ask('operator/release', radians)
 
     def wait_for(self, topic: str, predicate: Callable[[Any], bool] | None = None, timeout: float = PATIENCE) -> Any:
@@ -205,6 +211,7 @@ class Rig:
     def latest(self, topic: str) -> Any:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""
         self._nodes.check()
+        self._client.check()
         return self._client.latest(_known(topic))
 
     def pause(self) -> None:

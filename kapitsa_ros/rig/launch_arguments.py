@@ -1,8 +1,7 @@
-"""What the launch files need besides launch itself: text made a set-up, a folder made runs, an end on a failure."""
+"""Launch arguments made a rig's setup or the parameters of a replay; the end of a launch whose node has failed."""
 
 from __future__ import annotations
 
-import re
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,7 @@ from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.rig_parameters import RigParameters
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import OPTION, KapitsaError
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
@@ -25,7 +24,7 @@ _RECORDED = ('metadata.yaml', '*.mcap', '*.db3')
 """One of these is in the folder of a run, also where its recorder was killed."""
 
 
-def rig_from(said: Mapping[str, str]) -> Setup:
+def rig_from(arguments: Mapping[str, str]) -> Setup:
     """Return the rig that the arguments of a launch describe, its folder of bags made.
 
     Raises
@@ -34,20 +33,20 @@ def rig_from(said: Mapping[str, str]) -> Setup:
         An argument cannot be used; nothing has been started.
 
     """
-    with _in_words_of_launch():
+    with _errors_in_launch_form():
         setup = Setup(
-            plant=load_preset(said['preset'], parse_assignments(said['plant'].split())),
-            instruments=load_instruments(said['instruments'], parse_assignments(said['instrument'].split())),
-            protocol=said['protocol'],
-            rate=_read('rate', said),
-            seed=_read('seed', said),
-            bags=Path(said['bags']).expanduser(),
+            plant=load_preset(arguments['preset'], parse_assignments(arguments['plant'].split())),
+            instruments=load_instruments(arguments['instruments'], parse_assignments(arguments['instrument'].split())),
+            protocol=arguments['protocol'],
+            rate=_read('rate', arguments),
+            seed=_read('seed', arguments),
+            bags=Path(arguments['bags']).expanduser(),
         )
         prepare(setup)
     return setup
 
 
-def replay_from(said: Mapping[str, str]) -> dict[str, Any]:
+def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
     """Return the parameters for a replay of the runs in a folder, in the order of their names, or of one run.
 
     Raises
@@ -56,12 +55,14 @@ def replay_from(said: Mapping[str, str]) -> dict[str, Any]:
         An argument cannot be used: no run is there, or one that cannot be read.
 
     """
-    folder = Path(said['bags']).expanduser()
-    with _in_words_of_launch():
-        rate = _read('rate', said)
+    folder = Path(arguments['bags']).expanduser()
+    with _errors_in_launch_form():
+        rate = _read('rate', arguments)
         paths = [folder] if _is_run(folder) else sorted(path for path in folder.glob('*/') if _is_run(path))
         if not paths:
-            raise UsageError(f'--bags {folder}: no run is there; give the folder of a run, or of several')
+            raise UsageError(
+                f'{OPTION}: no run is there; give the folder of a run, or of several', option='bags', value=folder
+            )
         for path in paths:
             RunBag(path)
     return replay_parameters(paths, rate)
@@ -84,17 +85,17 @@ def _is_run(folder: Path) -> bool:
     return any(path.is_file() for pattern in _RECORDED for path in folder.glob(pattern))
 
 
-def _read(name: str, said: Mapping[str, str]) -> Any:
+def _read(name: str, arguments: Mapping[str, str]) -> Any:
     try:
-        return getattr(RigParameters.of({name: said[name]}), name)
+        return getattr(RigParameters.of({name: arguments[name]}), name)
     except ConfigurationError as error:
-        raise UsageError(f'--{name} {said[name]}: {error}') from error
+        raise UsageError(f'{OPTION}: {error}', option=name, value=arguments[name]) from error
 
 
 @contextmanager
-def _in_words_of_launch() -> Iterator[None]:
-    """Name an argument as it is written here: `bags:=` for `--bags`."""
+def _errors_in_launch_form() -> Iterator[None]:
+    """Name options in errors as launch files write them: `bags:=` for `--bags`."""
     try:
         yield
     except KapitsaError as error:
-        raise UsageError(re.sub(r'--([a-z]+)( (?=\S+: ))?', r'\1:=', str(error))) from error
+        raise UsageError(error.in_launch()) from error

@@ -20,7 +20,7 @@ GRACE = 2.0
 
 
 HASTE = 1.2
-"""The same after something went wrong: whoever waits for the rig wants to be told."""
+"""The same after something went wrong: the error should reach the caller soon."""
 
 
 class NodeGroup:
@@ -37,7 +37,7 @@ class NodeGroup:
             raise
 
     def __enter__(self) -> Self:
-        """Start is over already."""
+        """Return the group; its processes run since it was made."""
         return self
 
     def __exit__(
@@ -56,7 +56,7 @@ class NodeGroup:
         Raises
         ------
         RigError
-            A node died; the message names it and its last words.
+            A node died; the message names it and its last lines.
 
         """
         ended = [(process, process.status()) for process in self._processes]
@@ -64,8 +64,8 @@ class NodeGroup:
         # A node that broke is more telling than one that was killed, and than those that fell with it.
         for process, status in sorted(failed, key=lambda pair: pair[1] < 0):
             how = f'was killed by {signal.Signals(-status).name}' if status < 0 else f'died with status {status}'
-            words = process.last_error_lines()
-            raise RigError(f'{process.role} {how}{": " + words if words else ""}')
+            lines = process.last_error_lines()
+            raise RigError(f'{process.role} {how}{": " + lines if lines else ""}')
         return all(status == 0 for _, status in ended)
 
     def refuse_leavers(self, patience: float) -> None:
@@ -97,17 +97,20 @@ class NodeGroup:
         return self.check()
 
     def stop(self, grace: float) -> None:
-        """End every node: asked first, then made to."""
-        for number in (signal.SIGCONT, signal.SIGINT):
+        """End every node: with SIGINT, and with SIGKILL if it still runs after `grace` seconds."""
+        try:
+            for number in (signal.SIGCONT, signal.SIGINT):
+                for process in self._processes:
+                    process.end(number)
+            deadline = time.monotonic() + grace
             for process in self._processes:
-                process.end(number)
-        deadline = time.monotonic() + grace
-        for process in self._processes:
-            _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
-            process.end(signal.SIGKILL)
-        for process in self._processes:
-            process.close()
-        self._processes.clear()
+                _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
+        finally:  # also where a signal interrupts the wait
+            for process in self._processes:
+                process.end(signal.SIGKILL)
+            for process in self._processes:
+                process.close()
+            self._processes.clear()
 
 
 def _wait_until_readable(descriptors: Sequence[int], timeout: float) -> None:

@@ -1,4 +1,4 @@
-"""Nodes as processes: started together, watched, and stopped whatever happens."""
+"""One node as a process of its own."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 from collections import deque
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import yaml
@@ -57,9 +58,14 @@ class NodeProcess:
             )
         finally:
             os.close(file)
-        self.pidfd = os.pidfd_open(self._process.pid)
-        self._reader = threading.Thread(target=self._read, daemon=True)
-        self._reader.start()
+        with ExitStack() as failed_start:
+            failed_start.push(self._process)
+            failed_start.callback(self._process.kill)
+            self.pidfd = os.pidfd_open(self._process.pid)
+            failed_start.callback(os.close, self.pidfd)
+            self._reader = threading.Thread(target=self._read, daemon=True)
+            self._reader.start()
+            failed_start.pop_all()
 
     @property
     def pid(self) -> int:
@@ -71,7 +77,7 @@ class NodeProcess:
         return self._process.poll()
 
     def last_error_lines(self) -> str:
-        """Return what it said last; an error of its own if there was one."""
+        """Return its last error, or else its last lines on stderr."""
         self._reader.join(timeout=1.0)
         lines = [line for line in self._lines if line.strip()]
         errors = [line for line in lines if line.startswith(f'{self.role}: error: ')]
@@ -79,7 +85,7 @@ class NodeProcess:
         return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(complaints[-3:])
 
     def wait_for_line(self, text: str, timeout: float) -> bool:
-        """Wait until it says a line with a text in it; return False if it does not in time."""
+        """Wait for a line on stderr that contains a text; return False if none comes in time."""
         with self._news:
             return self._news.wait_for(lambda: any(text in line for line in self._lines), timeout)
 
@@ -89,7 +95,7 @@ class NodeProcess:
             self._process.send_signal(number)
 
     def close(self) -> None:
-        """Wait for the end and let go of what the system keeps for it."""
+        """Wait for the end and free its descriptors."""
         self._process.wait()
         self._reader.join(timeout=1.0)
         if self._process.stderr is not None:

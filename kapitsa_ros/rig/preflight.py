@@ -1,10 +1,11 @@
-"""What is made sure before a rig starts, so that a session does not fail where it could have been refused."""
+"""Checks before a rig starts: what cannot work is refused before a node runs."""
 
 from __future__ import annotations
 
 import os
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.errors import OPTION
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.recording.naming import refuse_existing
@@ -35,7 +36,8 @@ def prepare(setup: Setup) -> None:
     for speed in speeds:
         if speed > MAX_SPEED:
             raise UsageError(
-                f'--protocol wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most'
+                f'{OPTION} wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most',
+                option='protocol',
             )
     refuse_existing(setup.bags, speeds)
     make_writable(setup.bags)
@@ -54,7 +56,7 @@ def make_writable(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(
-            f'--bags {folder}: cannot be made ({error.strerror}); give a folder you can write to'
+            f'{OPTION}: cannot be made ({error.strerror}); give a folder you can write to', option='bags', value=folder
         ) from error
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise UsageError(f'--bags {folder}: cannot be written; give a folder you can write to')
+        raise UsageError(f'{OPTION}: cannot be written; give a folder you can write to', option='bags', value=folder)

@@ -1,4 +1,4 @@
-"""The main job and its repetition from bags: run the protocol, record, analyse."""
+"""Whole sessions: an experiment from protocol to analysis, and its replay from bags."""
 
 from __future__ import annotations
 
@@ -48,10 +48,10 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     """
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
-    seen = _watch(setup.roles, parameters(setup), on_progress)
+    monitor = _watch(setup.roles, parameters(setup), on_progress)
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
-    return analyse_bags(bags) | {'realtime_factor': float(seen.progress['realtime_factor'])}
+    return analyse_bags(bags) | {'realtime_factor': float(monitor.progress['realtime_factor'])}
 
 
 def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> dict[str, Any]:
@@ -67,24 +67,24 @@ def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> di
     """
     bags = [RunBag(path) for path in paths]
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
-    seen: SessionMonitor = _watch(REPLAY_NAMES, replay_parameters(paths, rate), on_progress)
-    runs = [recorded_values(bag) | values for bag, values in zip(bags, seen.runs, strict=True)]
-    values: dict[str, Any] = {'runs': runs} | seen.experiment
-    return values | {'realtime_factor': float(seen.progress['realtime_factor'])}
+    monitor: SessionMonitor = _watch(REPLAY_NAMES, replay_parameters(paths, rate), on_progress)
+    runs = [recorded_values(bag) | values for bag, values in zip(bags, monitor.runs, strict=True)]
+    values: dict[str, Any] = {'runs': runs} | monitor.experiment
+    return values | {'realtime_factor': float(monitor.progress['realtime_factor'])}
 
 
-def _watch(roles: Sequence[str], told: dict[str, Any], on_progress: Progress) -> SessionMonitor:
-    """Run a graph until its session is over, and return what was seen of it."""
+def _watch(roles: Sequence[str], values: dict[str, Any], on_progress: Progress) -> SessionMonitor:
+    """Run a graph until its session is over, and return its monitor."""
     with removing_stale_segments(), reserved_domain() as domain:
         with on_loopback():
-            observer = SessionMonitor(domain, on_progress)
+            monitor = SessionMonitor(domain, on_progress)
         with (
-            observer as seen,
-            NodeGroup(roles, told | {'expect': [*told['expect'], SESSION_MONITOR.name]}, domain) as nodes,
+            monitor,
+            NodeGroup(roles, values | {'expect': [*values['expect'], SESSION_MONITOR.name]}, domain) as nodes,
         ):
             while not nodes.wait(WATCH_PERIOD):
-                seen.check()
-                if not seen.session_over:
+                monitor.check()
+                if not monitor.session_over:
                     nodes.refuse_leavers(LEAVING)
-            seen.wait_for_end()
-    return seen
+            monitor.wait_for_end()
+    return monitor

@@ -1,4 +1,4 @@
-"""The one list of nodes, and what each is told; launch files, harness and command line all start from it."""
+"""A rig's setup, and the parameters of its nodes that follow from it; for launch files, harness and command line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ REPLAY_NAMES = tuple(role.name for role in REPLAY_ROLES)
 
 @dataclass(frozen=True, kw_only=True)
 class Setup:
-    """What a rig is made of; everything a node is told follows from it."""
+    """What a rig is made of; every parameter of a node follows from it."""
 
     plant: Plant = field(default_factory=Plant)
     instruments: Instruments = field(default_factory=partial(load_instruments, '1997'))

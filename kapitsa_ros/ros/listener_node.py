@@ -1,4 +1,4 @@
-"""A participant in another process than the nodes': listens from a thread of its own."""
+"""Base of the nodes that listen from a program's own process, in a thread of their own."""
 
 from __future__ import annotations
 
@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Self
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
 from kapitsa_ros.ros.shutdown import wait_until_quiet
 
 if TYPE_CHECKING:
     from types import TracebackType
 
 PATIENCE = 1.0
-"""Seconds for which the domain may take to come to rest before a spectator leaves it."""
+"""Seconds for which the domain may take to come to rest before a listener leaves it."""
 
 
 class ListenerNode:
@@ -26,7 +26,7 @@ class ListenerNode:
     Parameters
     ----------
     name
-        Of the node; the roles may be told to wait for it.
+        Of the node; roles wait for it if their parameter `expect` names it.
     domain
         ROS domain of the rig.
 
@@ -50,13 +50,15 @@ class ListenerNode:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Stop listening."""
+        """Stop listening; raise what a callback has raised, unless something else is being raised."""
         self._context.try_shutdown()
         self._thread.join()
         self._executor.shutdown()
         # Others may just be leaving.
         wait_until_quiet(self._domain, PATIENCE)
         self._node.destroy_node()
+        if error is None:
+            self.check()
 
     def check(self) -> None:
         """Raise what a callback has raised: after that nothing more is heard."""
@@ -70,8 +72,7 @@ class ListenerNode:
         try:
             while self._context.ok():
                 self._executor.spin_once(timeout_sec=0.2)
-        except ExternalShutdownException:
-            pass
         except Exception as error:  # noqa: BLE001  # it is raised where somebody waits
-            self._failure = error
-            self.wake()
+            if self._context.ok() or not is_of_rclpy(error):
+                self._failure = error
+                self.wake()

@@ -1,4 +1,4 @@
-"""One node as a process: it runs until its session is over or a signal comes."""
+"""A node's process: runs it until the session is over or a signal comes, and returns the exit status."""
 
 from __future__ import annotations
 
@@ -6,24 +6,18 @@ import itertools
 import os
 import sys
 import traceback
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import rclpy
-from rclpy._rclpy_pybind11 import (  # a params file that cannot be parsed has no public type
-    InvalidHandle,
-    RCLError,
-    UnknownROSArgsError,
-)
-from rclpy.exceptions import NotInitializedException
-from rclpy.executors import ExternalShutdownException
+from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.experimental import EventsExecutor
+from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
-from kapitsa_ros.network.registry import NODE_NAMES
+from kapitsa_ros.errors import FAILED, KapitsaError
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 
@@ -36,42 +30,49 @@ PATIENCE = 1.0
 """Seconds given to DDS to take a node down."""
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Run the node named first; what follows are ROS arguments. Return the exit status."""
-    arguments = sys.argv[1:] if arguments is None else arguments
-    if not arguments or arguments[0] not in NODE_NAMES:
-        given = repr(arguments[0]) if arguments else 'none'
-        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
-        return WRONG_INPUT
+def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
+    """Run a node until its session is over, a signal comes or its parent is gone.
+
+    Parameters
+    ----------
+    arguments
+        The role, and what follows it.
+    create
+        Makes the node, once ROS is initialised.
+
+    Returns
+    -------
+    int
+        The exit status.
+
+    """
     arguments, parent = split_parent(arguments)
     role = arguments[0]
-    module = import_module(f'kapitsa_ros.nodes.{role}')
-    if {'-h', '--help'} & set(beside_ros(arguments)):
-        print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
-        return 0
     status, node, watchdog = FAILED, None, None
     try:
         _start(arguments)
-        node = _create(module.create)
+        node = _create(create)
         try:
             _spin(node, parent)
         finally:
             node.close()
         status = 0
     except (KapitsaError, OSError) as error:
-        status = WRONG_INPUT if isinstance(error, SettingError) else FAILED
-        if node is not None:
+        if node is None:
+            status = getattr(error, 'exit_status', FAILED)
+        else:  # what a node meets at work is a failure, whatever was given to it
             node.fail(error)
         print(f'{role}: error: {error}', file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
-        if _is_of_rclpy(error) and not rclpy.ok():
+        if is_of_rclpy(error) and not rclpy.ok():
             status = 0
         else:
             if node is not None:
                 node.fail(error)
             traceback.print_exc()
     finally:
+        uninstall_signal_handlers()  # no context does that, and beside those of another the next run would have none
         hold_signals_back()
         if node is not None:
             watchdog = ShutdownWatchdog(PATIENCE, status)
@@ -83,16 +84,6 @@ def main(arguments: list[str] | None = None) -> int:
     return status
 
 
-def _is_of_rclpy(error: Exception) -> bool:
-    """Whether an error was raised by rclpy, in Python or below it."""
-    if isinstance(error, ExternalShutdownException | NotInitializedException | RCLError | InvalidHandle):
-        return True
-    frame = error.__traceback__
-    while frame is not None and frame.tb_next is not None:
-        frame = frame.tb_next
-    return frame is not None and str(frame.tb_frame.f_globals.get('__name__')).startswith('rclpy')
-
-
 def _start(arguments: list[str]) -> None:
     """Hand the ROS arguments over; what rcl cannot parse is named in one line, and not in its own ten."""
     if own := beside_ros(arguments):
@@ -102,7 +93,7 @@ def _start(arguments: list[str]) -> None:
             raise SettingError(f'--params-file {value}: there is no such file')
     hold_signals_back()
     try:
-        rclpy.init(args=arguments)
+        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
     except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
 

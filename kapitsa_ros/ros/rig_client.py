@@ -1,4 +1,4 @@
-"""A hand and an eye in somebody's own process: asks for things, calls services, keeps what the graph says."""
+"""Client node for programs: publishes requests, calls the jigsaw's services, buffers the numbered topics."""
 
 from __future__ import annotations
 
@@ -63,8 +63,6 @@ class RigClient(ListenerNode):
     """
 
     def __init__(self, domain: int) -> None:
-        self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        """File descriptor."""
         self.seen: dict[str, StepId | None] = dict.fromkeys(topic.name for topic in TOPICS)
         """Number of the newest message by topic; silent ones and ends of runs count too."""
         self._newest: dict[str, _Message] = {}
@@ -80,13 +78,17 @@ class RigClient(ListenerNode):
             name: self._node.create_client(Trigger, f'jigsaw/{name}') for name in ('pause', 'resume', 'step', 'reset')
         }
         self._parameters = self._node.create_client(SetParameters, 'jigsaw/set_parameters')
+        self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)  # last: only leaving the context closes it
+        """File descriptor."""
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop listening."""
-        super().__exit__(kind, error, trace)
-        os.close(self.news)
+        try:
+            super().__exit__(kind, error, trace)
+        finally:
+            os.close(self.news)
 
     def clear_news(self) -> None:
         """Make `news` unreadable until something comes."""

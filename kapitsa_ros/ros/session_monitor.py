@@ -1,4 +1,4 @@
-"""A spectator in the rig's own process: listens to the graph without having a part in it."""
+"""The node that follows a session from the rig's own process: progress reports and results."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class SessionMonitor(ListenerNode):
         self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
 
     def wait_for_end(self, timeout: float = 5.0) -> None:
-        """Wait until the last words of the analyser and of the owner of time have come.
+        """Wait for the analyser's last results and for the report that the session is over.
 
         Raises
         ------

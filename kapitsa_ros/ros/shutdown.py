@@ -1,4 +1,4 @@
-"""Leaving the graph, although DDS may not come back from it.
+"""Shutdown of a participant, which may hang in DDS: a watchdog, and a wait for discovery to come to rest.
 
 A participant that is taken down waits for discovery callbacks under way, with a deadline that overflows where libstdc++
 has to convert it (Fast DDS 2.14, DomainParticipantImpl::set_listener). Meeting one it spins for ever, and holds a lock
@@ -83,7 +83,7 @@ def wait_until_quiet(domain: int, patience: float) -> None:
 
 
 def listeners(domain: int) -> dict[str, str]:
-    """Return what the system says of each thread of Fast DDS that hears a domain, how often it has run among it."""
+    """Return /proc's status of each receive thread of Fast DDS for a domain; it counts how often the thread has run."""
     ports = range(7400 + 250 * domain, 7400 + 250 * (domain + 1))  # RTPS specification, 9.6.1.1
     found = {}
     for thread in Path('/proc/self/task').iterdir():

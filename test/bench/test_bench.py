@@ -166,7 +166,7 @@ class Graph:
     """Says what a graph would: a shaft at a speed, a rod at an angle."""
 
     def __init__(self, state: BenchState, rpm: float, run: int = 1) -> None:
-        self._desk = state
+        self._state = state
         run_up = 0.01  # s
         parameters = JigsawParameters(phase=0.7 - rpm * RPM * run_up / 2, spin_up=1e5)
         self._shaft = Jigsaw(amplitude=Plant().amplitude, parameters=parameters)
@@ -177,7 +177,7 @@ class Graph:
     def notify(self, steps: int, angle: float = 0.1) -> None:
         for _ in range(steps):
             still = np.zeros(101)
-            self._desk.receive(
+            self._state.receive(
                 [
                     News('jigsaw/pivot', self._step_id, self._shaft.advance(self._rpm * RPM, 0.1, 100)),
                     News('pendulum/motion', self._step_id, SampledMotion(0.001, still + angle, still, still)),
@@ -239,7 +239,7 @@ def test_a_reading_is_written_down_when_it_is_whole(state: BenchState):
     assert not state.notebook.rows
 
 
-def test_the_desk_tells_what_happens(state: BenchState):
+def test_the_state_reports_what_happens(state: BenchState):
     graph = Graph(state, 2240)
     graph.notify(3, angle=0.25)
     assert state.angle(0.15) == pytest.approx(0.25)
@@ -338,7 +338,7 @@ class Person:
         self.press(key, *text)
         await self.until(lambda: self.app.query_one('#answer', Input).value == text)
         self.press('enter')
-        await self.until(lambda: self.app._asked is None)
+        await self.until(lambda: self.app._question is None)
 
     async def until(self, true: Callable[[], Any]) -> None:
         deadline = time.monotonic() + PATIENCE
@@ -447,7 +447,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         await person.type('a', '7deg')
         assert state.release == pytest.approx(math.radians(7))
         person.press('s', '2', 'escape')
-        await person.until(lambda: person.app._asked is None and person.app.focused is None)
+        await person.until(lambda: person.app._question is None and person.app.focused is None)
         person.press('up', 'pageup', 'down', 'pagedown', 'up')
         await person.until(lambda: state.speed == 10)
         person.press('?')
@@ -455,12 +455,12 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         assert len(HELP.splitlines()) + 2 <= HEIGHT  # with its border
         person.press('s')  # goes back, and asks nothing
         await person.until(lambda: len(person.app.screen_stack) == 1)
-        assert person.app._asked is None
+        assert person.app._question is None
         person.press('n')  # of a rig that is not paused
         await person.told('time runs')
         await pilot.resize_terminal(60, 20)
         await person.until(lambda: 'needs 80 columns' in person.text('small'))
-        rig._nodes['stopwatch'].end(signal.SIGKILL)
+        rig.processes['stopwatch'].end(signal.SIGKILL)
         await person.until(lambda: person.app._exit)
 
     with Rig(rate=1, bags=tmp_path / 'bags') as rig:

@@ -47,6 +47,15 @@ def test_cluster_gives_what_the_cores_give():
     assert there['omega_crit_rpm'] == here['omega_crit_rpm']
 
 
+def test_a_cluster_without_workers_is_refused_and_left():
+    distributed = pytest.importorskip('distributed')
+    with distributed.LocalCluster(n_workers=0, processes=False, dashboard_address=None) as cluster:
+        with pytest.raises(ClusterError, match='no workers'):
+            DaskCluster(cluster.scheduler_address)
+        with pytest.raises(ValueError, match='No global client'):
+            distributed.get_client()
+
+
 def test_nobody_at_the_address():
     pytest.importorskip('distributed')
     with pytest.raises(ClusterError, match='no Dask scheduler'):

@@ -1,9 +1,10 @@
 """What the participants of this process and of the nodes are told about the network."""
 
 import os
-from threading import Barrier, Thread
+import sys
+from threading import Barrier, Event, Thread
 
-from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.environment import node_environment, on_loopback
 
 RANGE, PROFILE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
@@ -39,3 +40,39 @@ def test_threads_that_enter_at_once_all_keep_to_loopback(monkeypatch) -> None:
         thread.join()
     assert seen == ['LOCALHOST'] * 400
     assert RANGE not in os.environ
+
+
+def test_a_node_keeps_to_loopback_whatever_other_threads_enter_and_leave(monkeypatch) -> None:
+    """A snapshot of the environment must not lie half before and half after another thread's context."""
+    monkeypatch.delenv(RANGE)
+    monkeypatch.delenv(PROFILE, raising=False)
+    done = Event()
+
+    def enter_and_leave() -> None:
+        while not done.is_set():
+            with on_loopback():
+                pass
+
+    threads = [Thread(target=enter_and_leave) for _ in range(3)]
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e-6)
+    for thread in threads:
+        thread.start()
+    try:
+        environments = [node_environment(1) for _ in range(3000)]
+    finally:
+        done.set()
+        for thread in threads:
+            thread.join()
+        sys.setswitchinterval(interval)
+    assert {environment.get(RANGE) for environment in environments} == {'LOCALHOST'}
+    assert all(PROFILE in environment for environment in environments)
+
+
+def test_what_somebody_sets_within_a_context_stays(monkeypatch) -> None:
+    monkeypatch.delenv(RANGE)
+    monkeypatch.delenv(PROFILE, raising=False)
+    with on_loopback():
+        monkeypatch.setenv(RANGE, 'SUBNET')
+    assert os.environ[RANGE] == 'SUBNET'
+    assert PROFILE not in os.environ

@@ -26,7 +26,6 @@ from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.session import replay_bags
-from kapitsa_ros.ros.real_time_pacer import LATE
 from kapitsa_ros.units import RPM
 
 pytestmark = pytest.mark.xdist_group('harness')
@@ -167,8 +166,8 @@ def test_the_rate_can_be_changed(lab: Rig) -> None:
         begun = time.monotonic()
         for _ in range(20):
             lab.wait_for('pendulum/motion')
-        # A second, less what it may have been behind and catches up. Flat out it would be a tenth of that.
-        assert time.monotonic() - begun > 0.95 - LATE
+        # A second, less the half that a rig may be behind and catches up. Flat out it would be a tenth of a second.
+        assert time.monotonic() - begun > 0.4
         for wrong in (math.nan, -1.0, 1e9):
             with pytest.raises(UsageError, match='rate'):
                 lab.set_rate(wrong)
@@ -241,11 +240,11 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
 
 @pytest.mark.parametrize(('role', 'topic'), [('operator', 'operator/command'), ('recorder', 'recorder/written')])
 def test_a_node_that_hangs_is_named_and_may_go_on(lab: Rig, role: str, topic: str) -> None:
-    lab._nodes[role].end(signal.SIGSTOP)
+    lab.processes[role].end(signal.SIGSTOP)
     try:
-        assert lab._nodes['jigsaw'].wait_for_line(f'waits for {topic}', 10.0)
+        assert lab.processes['jigsaw'].wait_for_line(f'waits for {topic}', 10.0)
     finally:
-        lab._nodes[role].end(signal.SIGCONT)
+        lab.processes[role].end(signal.SIGCONT)
     drain(lab, 'pendulum/motion')
     assert timed(lab, 2400, 0.1) > 0.5
     bag = newest_bag(lab)
@@ -265,8 +264,8 @@ def test_what_does_not_come_and_what_is_not_there(lab: Rig) -> None:
 def test_a_death_is_told_at_once() -> None:
     with Rig() as rig:
         rig.wait_for('pendulum/motion')
-        pids = [rig._nodes[role].pid for role in registry.ROLE_NAMES]
-        rig._nodes['stopwatch'].end(signal.SIGKILL)
+        pids = [process.pid for process in rig.processes.values()]
+        rig.processes['stopwatch'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):
             rig.wait_for('stopwatch/reading', timeout=600)
         with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):

@@ -13,6 +13,7 @@ import pytest
 
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from, rig_from
+from kapitsa_ros.rig.preflight import make_writable
 
 CHECKOUT = Path(__file__).parents[2]
 SAID = {
@@ -60,6 +61,18 @@ def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:
     fast.write_text('speeds: [6000 rpm]\n', encoding='utf-8')
     with pytest.raises(UsageError, match='protocol:= wants 6000 RPM'):
         rig_from(SAID | {'bags': str(tmp_path / 'new'), 'protocol': str(fast)})
+
+
+def test_a_value_that_looks_like_an_option_stays_as_it_was_given(tmp_path: Path) -> None:
+    """An error names the option it is about; its text is nothing to search for options."""
+    folder = tmp_path / 'x--bags y: z'
+    folder.mkdir()
+    with pytest.raises(UsageError, match=re.escape(f'bags:={folder}: no run is there')):
+        replay_from({'bags': str(folder), 'rate': '1.0'})
+    with pytest.raises(UsageError, match=re.escape('--bags /proc/--rate x: y: cannot be made')) as error:
+        make_writable(Path('/proc/--rate x: y'))
+    assert error.value.option == 'bags'
+    assert error.value.in_launch().startswith('bags:=/proc/--rate x: y: cannot be made')
 
 
 def test_replay_takes_a_folder_of_runs_or_one_run() -> None:

@@ -151,7 +151,7 @@ def test_whoever_is_missing_is_named(domain: int) -> None:
 SLOW_RECORDER = """
 import sys, time
 import kapitsa_ros.nodes.recorder as recorder
-from kapitsa_ros.ros.main import main
+from kapitsa_ros.nodes.__main__ import main
 
 class Slow(recorder.RecorderNode):
     def accept(self, topic, tick, raw):

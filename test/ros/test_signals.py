@@ -92,7 +92,7 @@ def test_a_signal_ends_a_node_that_is_not_ready_yet(number: signal.Signals, doma
 FULL_DISK = """
 import sys
 import kapitsa_ros.nodes.recorder as recorder
-from kapitsa_ros.ros.main import main
+from kapitsa_ros.nodes.__main__ import main
 from kapitsa_ros.recording.errors import BagError
 
 class Full(recorder.RecorderNode):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,8 @@ import click
 
 from kapitsa_ros.cli.options import SPEED, json_option, plant_options, print_json
 from kapitsa_ros.configuration.tables import load_table
+from kapitsa_ros.errors import OPTION
+from kapitsa_ros.output_file import replacing
 from kapitsa_ros.rig.errors import UsageError
 
 if TYPE_CHECKING:
@@ -24,12 +27,16 @@ if TYPE_CHECKING:
 @json_option
 def figures(plant: Plant, speed: float, output: Path, *, as_json: bool) -> None:
     """Draw Figures 2, 4, 5 and 6 of the report into a directory."""
+    above = next(folder for folder in (output, *output.absolute().parents) if folder.exists())
+    if not above.is_dir() or not os.access(above, os.W_OK | os.X_OK):
+        raise UsageError(f'{OPTION}: cannot be made; give a folder you can write to', option='output', value=output)
     drawn = _draw(plant, speed)
     output.mkdir(parents=True, exist_ok=True)
     files = []
     for number, figure in drawn.items():
         file = output / f'figure_{number}.png'
-        figure.savefig(file)
+        with replacing(file) as draft:
+            figure.savefig(draft)
         files.append(str(file))
     if as_json:
         print_json({'figures': files})

@@ -94,7 +94,9 @@ def _deciding(found: Separation) -> str:
     first, second = found.between
     swing = 'the swing as before' if found.release is None else f'a swing of {found.release:g} rad'
     what = f'time {swing} at {found.speed / RPM:.0f} RPM'
-    said = f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
+    predictions = (
+        f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
+    )
     if found.sigmas < _APART:
-        return f'no single timing tells {first} from {second}; the best of them: {what}; {said}'
-    return f'to tell {first} from {second}: {what}; {said}'
+        return f'no single timing tells {first} from {second}; the best of them: {what}; {predictions}'
+    return f'to tell {first} from {second}: {what}; {predictions}'

@@ -10,7 +10,7 @@ import numpy as np
 
 from kapitsa_ros._api.simulate import simulate as call
 from kapitsa_ros.cli.options import ANGLE, FREQUENCY, SPEED, json_option, plant_options, print_json
-from kapitsa_ros.cli.output_files import SUFFIXES, write_table
+from kapitsa_ros.cli.output_files import SUFFIXES, check_table_output, write_table
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM
 
@@ -45,6 +45,8 @@ def simulate(
     as_json: bool,
 ) -> None:
     """Release the rod at rest on a shaking pivot and say what becomes of it."""
+    if output is not None:
+        check_table_output(output)
     if bending_damping is not None and bending_frequency is None:
         raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
     run = call(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -24,10 +26,27 @@ _SOURCES = _stamp()
 
 
 def kernel(function: Callable[_P, _R], *, parallel: bool = False) -> Callable[_P, _R]:
-    """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered."""
-    compiled: Any = numba.njit(cache=True, fastmath={'contract'}, error_model='numpy', parallel=parallel)(function)
+    """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered.
+
+    It is kept in NUMBA_CACHE_DIR, beside the source or in the user's cache folder: the first of them that can be
+    written. Where none can, each process compiles for itself, and a line on stderr says so.
+    """
+    njit = functools.partial(numba.njit, fastmath={'contract'}, error_model='numpy', parallel=parallel)
+    try:
+        compiled: Any = njit(cache=True)(function)
+    except RuntimeError:  # numba finds no folder that it can write
+        _warn_of_no_cache()
+        return njit()(function)  # type: ignore[no-any-return]
     # Numba asks only whether the function's own file has changed, but kernels are compiled into one another.
     cache: Any = getattr(compiled, '_cache', None)
     if hasattr(cache, '_cache_file'):
         cache._cache_file._source_stamp = _SOURCES  # noqa: SLF001
     return compiled  # type: ignore[no-any-return]
+
+
+@functools.cache
+def _warn_of_no_cache() -> None:
+    sys.stderr.write(
+        'kapitsa: warning: no folder for compiled kernels can be written, each process compiles them again: '
+        'set NUMBA_CACHE_DIR to a folder you can write to\n'
+    )

@@ -1,0 +1,61 @@
+"""Output files: checked before the work, written as a whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.errors import OPTION, OutputError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+def check_output(path: Path) -> None:
+    """Check that a file can be written.
+
+    Raises
+    ------
+    OutputError
+        Its folder is not there, or it cannot be written.
+
+    """
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise OutputError(f'{OPTION}: there is no directory {path.parent}: make it first', option='output', value=path)
+    is_special = path.exists() and not path.is_file()
+    if not os.access(path if path.exists() else folder, os.W_OK) or not (is_special or os.access(folder, os.W_OK)):
+        raise OutputError(f'{OPTION}: cannot be written; give a file you can write', option='output', value=path)
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """Yield a path to write to; what is written there takes the place of a file when the context is left.
+
+    An error in the context leaves the file, if there is one, as it was. Where the path leads to something else than a
+    file, as /dev/stdout does, that is yielded.
+
+    Raises
+    ------
+    OSError
+        The file or its folder cannot be written.
+
+    """
+    path = path.resolve()
+    if path.exists() and not path.is_file():
+        yield path
+        return
+    if path.exists() and not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+    # A folder beside the file, and the file's own name in it: writers look at suffixes, and umask sets the mode.
+    with tempfile.TemporaryDirectory(prefix='.', dir=path.parent) as folder:
+        draft = Path(folder) / path.name
+        yield draft
+        if path.exists():
+            shutil.copymode(path, draft)
+        draft.replace(path)

@@ -1,0 +1,108 @@
+"""A file is checked before the work, replaced as a whole, and never left half-written."""
+
+import os
+import resource
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import kapitsa_ros.reporting.report
+from kapitsa_ros.cli.commands.figures import figures
+from kapitsa_ros.cli.commands.report import report
+from kapitsa_ros.cli.commands.simulate import simulate
+from kapitsa_ros.cli.output_files import write_table
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.rig.errors import UsageError
+
+IMPOSSIBLE = ('--speed', '2500', '--release', '0.12', '--duration', '2', '--sample-rate', '0')
+"""A run that is refused as soon as it begins."""
+
+
+@contextmanager
+def full_disk() -> Iterator[None]:
+    """No file grows beyond a page."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+
+
+def fails_to_write(write: Callable[[], object], file: Path) -> None:
+    file.write_text('old', encoding='utf-8')
+    with full_disk(), pytest.raises(OSError, match=r'too large|requested and'):
+        write()
+    assert file.read_text(encoding='utf-8') == 'old'
+    assert list(file.parent.iterdir()) == [file]
+
+
+@pytest.mark.parametrize('suffix', ['csv', 'npz'])
+def test_a_table_that_the_disk_does_not_take_leaves_the_old_one(tmp_path: Path, suffix: str) -> None:
+    file = tmp_path / f'motion.{suffix}'
+    columns = {'time_s': np.random.default_rng(1).random(10_000)}
+    fails_to_write(lambda: write_table(file, columns), file)
+    write_table(file, columns)
+    assert file.stat().st_size > 4096
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_report_that_the_disk_does_not_take_leaves_the_old_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip('jinja2')
+    pytest.importorskip('matplotlib')
+    monkeypatch.setattr(kapitsa_ros.reporting.report, 'gather', lambda *_: None)
+    monkeypatch.setattr(kapitsa_ros.reporting.report, 'render', lambda _: 'page ' * 10_000)
+    file = tmp_path / 'report.html'
+    arguments = [str(resource_path('bags', 'run_01_2240rpm')), '--output', str(file)]
+    fails_to_write(lambda: CliRunner().invoke(report, arguments, catch_exceptions=False), file)
+    assert CliRunner().invoke(report, arguments).exception is None
+    assert file.read_text(encoding='utf-8').startswith('page page')
+
+
+def test_a_figure_that_the_disk_does_not_take_leaves_the_old_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figure = pytest.importorskip('matplotlib.figure').Figure()
+    figure.subplots().imshow(np.random.default_rng(1).random((300, 300)))
+    monkeypatch.setattr('kapitsa_ros.cli.commands.figures._draw', lambda *_: {2: figure})
+    fails_to_write(
+        lambda: CliRunner().invoke(figures, ['--output', str(tmp_path)], catch_exceptions=False),
+        tmp_path / 'figure_2.png',
+    )
+
+
+@pytest.mark.parametrize('output', ['motion.txt', 'nowhere/motion.csv'])
+def test_simulate_checks_its_output_before_the_work(tmp_path: Path, output: str) -> None:
+    result = CliRunner().invoke(simulate, [*IMPOSSIBLE, '--output', str(tmp_path / output)])
+    assert isinstance(result.exception, UsageError)
+    assert not list(tmp_path.iterdir())
+
+
+def test_figures_refuse_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
+    (tmp_path / 'file').touch()
+    result = CliRunner().invoke(figures, ['--output', str(tmp_path / 'file' / 'figures')])
+    assert isinstance(result.exception, UsageError)
+
+
+def test_what_is_no_file_is_written_and_stays(tmp_path: Path) -> None:
+    """As /dev/stdout; a link keeps leading to its file."""
+    link, file = tmp_path / 'link.csv', tmp_path / 'file.csv'
+    file.touch(mode=0o600)
+    link.symlink_to(file)
+    write_table(link, {'time_s': np.zeros(3)})
+    assert link.is_symlink()
+    assert len(file.read_text(encoding='utf-8').splitlines()) == 4
+    assert file.stat().st_mode & 0o777 == 0o600
+    pipe = tmp_path / 'pipe.csv'
+    os.mkfifo(pipe)
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write_table(pipe, {'time_s': np.zeros(3)})
+    assert len(os.read(reader, 4096).splitlines()) == 4
+    os.close(reader)
+    assert pipe.is_fifo()
