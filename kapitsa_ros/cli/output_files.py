@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.errors import OPTION
+from kapitsa_ros.errors import OPTION, OutputError
 from kapitsa_ros.output_file import check_output, replacing
-from kapitsa_ros.rig.errors import UsageError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -27,14 +26,14 @@ def check_table_output(path: Path) -> None:
 
     Raises
     ------
-    UsageError
+    OutputError
         It cannot be written, its name has another suffix, or it needs pyarrow, which is not installed.
 
     """
     if path.suffix not in _WRITERS:
-        raise UsageError(f'{OPTION}: the name must end in {SUFFIXES}', option='output', value=path.name)
+        raise OutputError(f'{OPTION}: the name must end in {SUFFIXES}', option='output', value=path.name)
     if path.suffix == '.parquet' and find_spec('pyarrow') is None:
-        raise UsageError(f'{OPTION}: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz', option='output')
+        raise OutputError(f'{OPTION}: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz', option='output')
     check_output(path)
 
 
@@ -43,7 +42,7 @@ def write_table(path: Path, columns: Columns) -> None:
 
     Raises
     ------
-    UsageError
+    OutputError
         As from `check_table_output`.
 
     """

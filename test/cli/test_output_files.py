@@ -15,6 +15,7 @@ from kapitsa_ros.cli.commands.figures import figures
 from kapitsa_ros.cli.commands.report import report
 from kapitsa_ros.cli.commands.simulate import simulate
 from kapitsa_ros.cli.output_files import write_table
+from kapitsa_ros.errors import OutputError
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.errors import UsageError
 
@@ -80,7 +81,7 @@ def test_a_figure_that_the_disk_does_not_take_leaves_the_old_one(
 @pytest.mark.parametrize('output', ['motion.txt', 'nowhere/motion.csv'])
 def test_simulate_checks_its_output_before_the_work(tmp_path: Path, output: str) -> None:
     result = CliRunner().invoke(simulate, [*IMPOSSIBLE, '--output', str(tmp_path / output)])
-    assert isinstance(result.exception, UsageError)
+    assert isinstance(result.exception, OutputError)
     assert not list(tmp_path.iterdir())
 
 
