@@ -10,6 +10,7 @@ import numpy as np
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
+from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -67,8 +68,15 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
     return _reduce(plant, readings_of(runs), lambda: evidence_of(runs))
 
 
-def reduce_motions(recorded: Sequence[RecordedRun]) -> tuple[Experiment, Readings]:
+def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_ESTIMATOR) -> tuple[Experiment, Readings]:
     """Reduce what was recorded of the motion instead of what was read; also return the periods found there.
+
+    Parameters
+    ----------
+    recorded
+        Runs of one plant.
+    estimator
+        Of the slow frequency: a name in `ESTIMATORS`.
 
     Raises
     ------
@@ -77,7 +85,7 @@ def reduce_motions(recorded: Sequence[RecordedRun]) -> tuple[Experiment, Reading
 
     """
     plant = plant_of([each.run for each in recorded])
-    evidence = evidence_from_motion(recorded, ideal_rod(plant))
+    evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
     return _reduce(plant, evidence.timed, lambda: evidence), evidence.timed
 
 

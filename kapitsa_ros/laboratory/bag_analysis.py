@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
+from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.recording.reader import RunBag
 
 if TYPE_CHECKING:
@@ -29,8 +30,15 @@ def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
     return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags]))
 
 
-def analyse_motions(paths: Sequence[Path]) -> dict[str, Any]:
+def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -> dict[str, Any]:
     """Analyse recorded runs from the motion of the pendulum: what better instruments would have given.
+
+    Parameters
+    ----------
+    paths
+        Folders of the runs.
+    estimator
+        Of the slow frequency: a name in `ESTIMATORS`.
 
     Raises
     ------
@@ -41,7 +49,7 @@ def analyse_motions(paths: Sequence[Path]) -> dict[str, Any]:
 
     """
     bags = [RunBag(path) for path in paths]
-    experiment, found = reduce_motions([bag.recorded for bag in bags])
+    experiment, found = reduce_motions([bag.recorded for bag in bags], estimator)
     periods = iter(found.period)
     runs = []
     for bag in bags:

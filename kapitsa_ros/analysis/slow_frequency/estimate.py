@@ -19,7 +19,7 @@ class SlowEstimate:
     """An estimate and its standard error."""
 
     value: float
-    """rad/s (of a lap: s)."""
+    """rad/s (of a stopwatch: s)."""
     sigma: float
     """Standard error, same unit; nan where the record does not tell."""
     decay: float = math.nan
@@ -65,7 +65,7 @@ class SwingRecord:
         Returns
         -------
         times, means
-            Shape (turns,): the middle of each turn, and the mean angle over it.
+            Shape (turns,): the middle of each turn (s), and the mean angle over it (rad).
 
         """
         turn = 2.0 * math.pi / self.forcing

@@ -1,29 +1,52 @@
-"""How a wider swing is a slower one, by averaged theory."""
+"""A wider swing is a slower one: from the frequency at the amplitude swung to that of a small swing."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.analysis.errors import AnalysisError
+import numpy as np
+
+from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate
+from kapitsa_ros.analysis.slow_frequency.matrix_pencil import strongest_pole
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
     from kapitsa_ros.physics.plant import Plant
 
 
-def softening(plant: Plant, forcing: float) -> float:
-    """Return s in Ω(A) = Ω(0)·(1 − s A²), A the amplitude of the slow swing in rad.
+def softening(plant: Plant, speed: float, release: float) -> float:
+    """Return s of Ω(A) = Ω(0)·(1 − s A²) that the nonlinear map has at this release, 1/rad²; A is in rad.
 
-    Averaging the plant over the forcing leaves θ″ = G sin θ − H sin θ cos θ with G = kg and H = (kλω)²/2 (Kapitsa's
-    effective potential). To third order it is a Duffing oscillator, Ω² = H − G, whose frequency falls by
-    3αA²/(8Ω²) with α = 2H/3 − G/6.
+    Let go at the bottom of the stroke, the slow swing is wider than the release by 1/(1 − kλ) (report, eq. 12).
 
-    Raises
-    ------
-    AnalysisError
-        The upright is not stable at this speed.
+    Parameters
+    ----------
+    plant
+        Without losses.
+    speed
+        ω, rad/s.
+    release
+        θ at rest, rad. Where no swing about upright belongs to it, s is 0.
 
     """
-    gravity, stiffness = plant.k * plant.gravity, 0.5 * (plant.k * plant.amplitude * forcing) ** 2
-    if stiffness <= gravity:
-        raise AnalysisError(f'{forcing} rad/s is below the critical speed: there is no swing about upright')
-    return 0.375 * (2.0 * stiffness / 3.0 - gravity / 6.0) / (stiffness - gravity)
+    try:
+        small = slow_frequency_exact(plant, speed)
+        wide = slow_frequency_nonlinear(plant, speed, release)
+    except PhysicsError:
+        return 0.0
+    amplitude = release / (1.0 - plant.k * plant.amplitude)
+    return (1.0 - wide / small) / amplitude**2 if small else 0.0
+
+
+def of_small_swing(record: SwingRecord, value: float, sigma: float, softening: float) -> SlowEstimate:
+    """Reduce a frequency found without regard to the amplitude, in rad/s as its error; add the decay of the swing.
+
+    For A² stands twice the mean square of the drive-nulled motion, which is the mean of A² over whole periods.
+    """
+    times, means = record.drive_nulled()
+    factor = 1.0 / (1.0 - 2.0 * softening * float(np.mean(means**2)))
+    decay = -strongest_pole(means, times[1] - times[0]).real
+    return SlowEstimate(value=value * factor, sigma=sigma * factor, decay=decay)

@@ -8,16 +8,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate
+from kapitsa_ros.analysis.slow_frequency.softening import of_small_swing
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
+    from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate, SwingRecord
 
 
-def zero_crossing_frequency(record: SwingRecord) -> SlowEstimate:
+def zero_crossing_frequency(record: SwingRecord, softening: float = 0.0) -> SlowEstimate:
     """Draw a line through the times of the passages over their numbers; its slope is half a period.
 
-    The passages are those of the drive-nulled motion; the error comes of their scatter about the line.
+    The passages are those of the drive-nulled motion; the error comes of their scatter about the line, and is nan
+    where there are only two.
+
+    Parameters
+    ----------
+    record
+        The free swing, a period of it or more.
+    softening
+        s of `softening`. With 0 the result is the frequency at the amplitude swung, otherwise that of a small swing.
 
     Raises
     ------
@@ -35,8 +43,6 @@ def zero_crossing_frequency(record: SwingRecord) -> SlowEstimate:
     spread = float(number @ number)
     half = float(number @ passages) / spread
     value = math.pi / half
-    if passages.size == 2:
-        return SlowEstimate(value=value, sigma=math.nan)
     scatter = passages - passages.mean() - half * number
-    half_sigma = math.sqrt(float(scatter @ scatter) / (passages.size - 2) / spread)
-    return SlowEstimate(value=value, sigma=value * half_sigma / half)
+    variance = float(scatter @ scatter) / (passages.size - 2) / spread if passages.size > 2 else math.nan
+    return of_small_swing(record, value, value * math.sqrt(variance) / half, softening)

@@ -7,21 +7,33 @@ from pathlib import Path
 import click
 from rich.console import Console
 
+from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.cli.options import json_option, print_json, warn_of_repeats
+from kapitsa_ros.errors import OPTION
+from kapitsa_ros.rig.errors import UsageError
 
 
 @click.command()
 @click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option('--blind/--motion', default=True, show_default=True, help='from the readings, or from θ(t)')
+@click.option(
+    '--estimator',
+    type=click.Choice(list(ESTIMATORS)),
+    help=f'of the slow frequency, with --motion  [default: {DEFAULT_ESTIMATOR}]',
+)
 @json_option
-def analyse(*, bags: tuple[Path, ...], blind: bool, as_json: bool) -> None:
+def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, as_json: bool) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
 
+    if blind and estimator is not None:
+        raise UsageError(
+            f'{OPTION}: a blind analysis takes the readings: give --motion too', option='estimator', value=estimator
+        )
     warn_of_repeats(bags)
-    values = analyse_bags(bags) if blind else analyse_motions(bags)
+    values = analyse_bags(bags) if blind else analyse_motions(bags, estimator or DEFAULT_ESTIMATOR)
     if as_json:
         print_json(values)
         return
