@@ -12,6 +12,9 @@ from pathlib import Path
 
 import pytest
 
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.units import RPM
+
 ROOT = Path(__file__).parents[1]
 SECTION = re.compile(r'^## (.+?)\n(.*?)(?=^## |\Z)', re.MULTILINE | re.DOTALL)
 SECTIONS = dict(SECTION.findall((ROOT / 'docs' / 'extending.md').read_text(encoding='utf-8')))
@@ -77,16 +80,53 @@ def test_bags_that_are_older_than_the_sensor_are_read_and_replayed(extended: Pyt
 
 
 @pytest.mark.parametrize('extended', ['An estimator of the slow frequency'], indirect=True)
-def test_an_estimator_finds_the_frequency_of_a_swing(extended: Python) -> None:
+def test_an_estimator_is_chosen_by_its_name(extended: Python) -> None:
+    shipped = str(ROOT / 'bags' / 'run_01_2240rpm')
+    arguments = ['-m', 'kapitsa_ros', 'analyse', shipped, '--motion', '--estimator', 'turning_points', '--json']
+    (run,) = json.loads(extended(*arguments))['runs']
+    # The zero crossings of the same motion give 0.984 s; that of turning points is known to a turn of the shaft.
+    assert run['period_s'] == pytest.approx(0.984, abs=0.03)
+
+
+@pytest.mark.parametrize('extended', ['A friction law'], indirect=True)
+def test_static_friction_holds_the_rod_until_the_torque_exceeds_it(extended: Python) -> None:
+    """Torque k (g − λω² cos ωt) sin θ rises from below f to above twice of it."""
+    plant, speed, angle, f = Plant(), 40.0, 0.1, 8.0
     found = extended(
         '-c',
+        'import json, os\n'
+        "os.environ['NUMBA_DISABLE_JIT'] = '1'  # to compile all kernels for one turn of the shaft takes a minute\n"
         'import numpy as np\n'
-        'from kapitsa_ros.analysis.slow_frequency import SwingRecord, turning_point_frequency\n'
-        't = np.arange(10_000) * 1e-3\n'
-        'angle = 0.1 * np.cos(8 * t) * (1 + 0.05 * np.cos(240 * t))\n'
-        'print(turning_point_frequency(SwingRecord(angle=angle, period=1e-3, forcing=240.0)).value)\n',
+        'from kapitsa_ros.cli.commands.simulate import simulate\n'
+        'from kapitsa_ros.physics.plant import Plant\n'
+        'from kapitsa_ros.physics.release import Release\n'
+        'motions = []\n'
+        'for ratio in (1.0, 1.5):\n'
+        f'    plant = Plant(coulomb={f}, static_ratio=ratio)\n'
+        f'    run = Release(plant=plant, speed={speed}, angle={angle}, phase=np.pi)\n'
+        '    motions.append(run.sampled(0.08, 10_000.0).angle.tolist())\n'
+        'print(json.dumps([motions, [option.name for option in simulate.params]]))\n',
     )
-    assert float(found) == pytest.approx(8.0, rel=0.02)
+    motions, options = json.loads(found)
+    assert 'static_ratio' in options
+    for ratio, motion in zip((1.0, 1.5), motions, strict=True):
+        cosine = (plant.gravity - ratio * f / (plant.k * math.sin(angle))) / (plant.amplitude * speed**2)
+        moved = next(n for n, theta in enumerate(motion) if theta != angle)
+        assert moved == math.ceil(math.acos(cosine) / speed * 10_000)
+        later = moved + 20  # 2 ms: θ grows by half of (ratio − 1) f t², and the torque rises meanwhile
+        if ratio > 1:
+            assert motion[later] - angle > 0.5 * (ratio - 1) * f * 2e-3**2
+        else:
+            assert 0 < motion[later] - angle < 1e-5
+
+
+@pytest.mark.parametrize('extended', ['A preset, an instrument set, a protocol, a table'], indirect=True)
+def test_a_preset_is_found_by_its_name(extended: Python) -> None:
+    theory = json.loads(extended('-m', 'kapitsa_ros', 'theory', '--preset', 'metre_rule', '--json'))
+    rod = Plant(length=1.0, amplitude=0.02)
+    assert theory['omega_crit_averaged_rpm'] == pytest.approx(
+        math.sqrt(2 * rod.gravity / rod.k) / rod.amplitude / RPM, rel=1e-9
+    )
 
 
 @pytest.mark.parametrize('extended', ['A command'], indirect=True)

@@ -90,15 +90,15 @@ def _follow(  # noqa: PLR0917
 ) -> NDArray[np.float64]:
     """Return the states the rods end in; a wild swing makes all take shorter steps."""
     constants = layout.constants(plant, stop=STOP, linear=False)
-    left_out = np.empty(speeds.size)
+    truncation = np.empty(speeds.size)
     for refinement in REFINEMENTS:
         states = np.tile(layout.state_at_rest(0.0, plant.clearance), (speeds.size, 1))
         states[:, layout.ANGLE] = angles
         states[:, layout.MODE] = layout.MOVING
         steps = stride * refinement
-        advance_batch(plant.amplitude, speeds, starts, duration / steps, steps, constants, states, left_out)
-        if np.any(left_out == TOO_MANY_EVENTS):
+        advance_batch(plant.amplitude, speeds, starts, duration / steps, steps, constants, states, truncation)
+        if np.any(truncation == TOO_MANY_EVENTS):
             raise PhysicsError('impacts at a pivot come too thick to be told apart: reduce restitution')
-        if left_out.max() <= PROMISED:
+        if truncation.max() <= PROMISED:
             return states
-    raise PhysicsError(f'a step leaves out {left_out.max():.1g} rad: a rod swings too wildly for 1e-8 rad')
+    raise PhysicsError(f'a step leaves out {truncation.max():.1g} rad: a rod swings too wildly for 1e-8 rad')

@@ -124,10 +124,10 @@ def simulate_flexible(
         motion[0, 0] = release.angle
         steps = stride * refinement
         step = 1.0 / (sample_rate * steps)
-        left_out = advance_flexible(plant.amplitude, release.speed, start, step, steps, STOP, rod, motion)
-        if left_out <= PROMISED:
+        truncation = advance_flexible(plant.amplitude, release.speed, start, step, steps, STOP, rod, motion)
+        if truncation <= PROMISED:
             return _trajectory(sample_rate, motion)
-    raise PhysicsError(f'a step leaves out {left_out:.1g} rad: the rod swings too wildly for 1e-8 rad')
+    raise PhysicsError(f'a step leaves out {truncation:.1g} rad: the rod swings too wildly for 1e-8 rad')
 
 
 def _trajectory(sample_rate: float, motion: NDArray[np.float64]) -> FlexibleTrajectory:

@@ -128,12 +128,12 @@ class Release:
                 stride = leg.stride * refinement
                 motion = np.empty((2, leg.samples + 1))
                 pacing = (leg.period / stride, leg.turns / stride, stride)
-                left_out = advance_cosine(
+                truncation = advance_cosine(
                     self.plant.amplitude, self.speed, leg.start, *pacing, constants, state, motion
                 )
-                if left_out == TOO_MANY_EVENTS:
+                if truncation == TOO_MANY_EVENTS:
                     raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
-                worst = max(worst, left_out)
+                worst = max(worst, truncation)
             if worst <= PROMISED:
                 return motion, state
         raise PhysicsError(f'a step leaves out {worst:.1g} rad: the rod swings too wildly for 1e-8 rad')

@@ -25,12 +25,12 @@ def advance_batch(
     stride: NDArray[np.int64],
     plant: NDArray[np.float64],
     states: NDArray[np.float64],
-    left_out: NDArray[np.float64],
+    truncation: NDArray[np.float64],
 ) -> None:
     """Carry each row of `states` through `stride` steps; arguments as of `advance_cosine`, one entry a rod."""
     for rod in numba.prange(states.shape[0]):
         motion = np.empty((2, 2))
         turns = speed[rod] * step[rod] / (2.0 * np.pi)
-        left_out[rod] = advance_cosine(
+        truncation[rod] = advance_cosine(
             amplitude, speed[rod], start[rod], step[rod], turns, stride[rod], plant, states[rod], motion
         )

@@ -51,36 +51,38 @@ def advance_cosine(
     Returns
     -------
     float
-        The largest last term of the series met, rad: what truncation leaves out of one step; TOO_THICK where events
+        The largest last term of the series met, rad: the truncation error of one step; TOO_MANY_EVENTS where events
         could not be told apart.
 
     """
     work = np.empty((WORK_ROWS, ORDER + 1))
     load = np.empty(ORDER - 1)
-    rhythm = np.empty(ORDER - 1)
-    fill_drive_terms(amplitude, speed, step, turns, rhythm)
+    drive_terms = np.empty(ORDER - 1)
+    fill_drive_terms(amplitude, speed, step, turns, drive_terms)
     weight = plant[GRAVITY] * step * step
     motion[0, 0] = state[ANGLE]
     motion[1, 0] = state[RATE]
-    left_out = 0.0
+    truncation = 0.0
     for sample in range(1, motion.shape[1]):
         for i in range((sample - 1) * stride, sample * stride):
             cosine, sine = at_phase(i * turns, start)
-            fill_load(cosine, sine, rhythm, weight, load)
+            fill_load(cosine, sine, drive_terms, weight, load)
             if not advance_interval(load, 0.0, step, plant, state, work):
                 return TOO_MANY_EVENTS
-            left_out = max(left_out, abs(work[0, -1]))
+            truncation = max(truncation, abs(work[0, -1]))
         motion[0, sample] = state[ANGLE]
         motion[1, sample] = state[RATE]
-    return left_out
+    return truncation
 
 
 @kernel
-def fill_drive_terms(amplitude: float, speed: float, step: float, turns: float, rhythm: NDArray[np.float64]) -> None:
+def fill_drive_terms(
+    amplitude: float, speed: float, step: float, turns: float, drive_terms: NDArray[np.float64]
+) -> None:
     """Fill in what the load's coefficients have in common at all phases: h²λω² δⁿ/n!, δ the phase of a step."""
     term = amplitude * (speed * step) ** 2
-    for n in range(rhythm.size):
-        rhythm[n] = term if n % 4 in (0, 3) else -term
+    for n in range(drive_terms.size):
+        drive_terms[n] = term if n % 4 in (0, 3) else -term
         term *= 2.0 * math.pi * turns / (n + 1)
 
 
@@ -95,13 +97,13 @@ def at_phase(turn: float, start: float) -> tuple[float, float]:
 def fill_load(
     cosine: float,
     sine: float,
-    rhythm: NDArray[np.float64],
+    drive_terms: NDArray[np.float64],
     weight: float,
     load: NDArray[np.float64],
 ) -> None:
     """Fill in the coefficients of h² (g + y″) from a phase on."""
     for n in range(0, load.size, 2):
-        load[n] = rhythm[n] * cosine
+        load[n] = drive_terms[n] * cosine
     for n in range(1, load.size, 2):
-        load[n] = rhythm[n] * sine
+        load[n] = drive_terms[n] * sine
     load[0] += weight

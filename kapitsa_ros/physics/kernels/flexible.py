@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 ORDER = 18
-J, LEVER, COUPLING, GRAVITY, DAMPING, BENDING, BENDING_DAMPING = range(7)
+J, L_C, BETA, G, C, OMEGA_B, ZETA = range(7)
 
 
 @kernel
@@ -49,24 +49,24 @@ def advance_flexible(
 
     """
     turns = speed * step / (2.0 * math.pi)
-    load, rhythm = np.empty(ORDER), np.empty(ORDER)
-    fill_drive_terms(amplitude, speed, step, turns, rhythm)
+    load, drive_terms = np.empty(ORDER), np.empty(ORDER)
+    fill_drive_terms(amplitude, speed, step, turns, drive_terms)
     work = np.zeros((12, ORDER + 1))
-    angle, bend = work[0], work[1]
+    theta, eta = work[0], work[1]
     state = motion[:, 0].copy()
-    left_out = 0.0
+    truncation = 0.0
     for sample in range(1, motion.shape[1]):
         if abs(state[0]) < stop:
             for i in range((sample - 1) * stride, sample * stride):
                 cosine, sine = at_phase(i * turns, start)
-                fill_load(cosine, sine, rhythm, step * step * rod[GRAVITY], load)
-                angle[0], angle[1], bend[0], bend[1] = state[0], step * state[1], state[2], step * state[3]
+                fill_load(cosine, sine, drive_terms, step * step * rod[G], load)
+                theta[0], theta[1], eta[0], eta[1] = state[0], step * state[1], state[2], step * state[3]
                 _expand(load, step, rod, work)
-                state[0], state[1] = _end(angle, step)
-                state[2], state[3] = _end(bend, step)
-                left_out = max(left_out, abs(angle[-1]))
+                state[0], state[1] = _end(theta, step)
+                state[2], state[3] = _end(eta, step)
+                truncation = max(truncation, abs(theta[-1]))
         motion[:, sample] = state
-    return left_out
+    return truncation
 
 
 @kernel
@@ -76,31 +76,31 @@ def _expand(load: NDArray[np.float64], step: float, rod: NDArray[np.float64], wo
     Momentum p = (J + η²)θ̇ keeps the equations free of θ̈: ṗ = (g + ÿ)(l_c sin θ + βη cos θ) − Jcθ̇ and
     η̈ = ηθ̇² + β(g + ÿ) sin θ − ω_b²η − 2ζω_b η̇.
     """
-    angle, bend, pace, sway, sine, cosine, inertia, momentum, lever, square, leaned, _ = work
-    stiffness = (step * rod[BENDING]) ** 2
-    yielding = 2.0 * rod[BENDING_DAMPING] * step * rod[BENDING]
-    friction = step * rod[DAMPING] * rod[J]
-    sine[0], cosine[0] = math.sin(angle[0]), math.cos(angle[0])
-    inertia[0] = rod[J] + bend[0] ** 2
-    momentum[0] = inertia[0] * angle[1]
-    sway[0] = bend[1]
+    theta, eta, theta_dot, eta_dot, sine, cosine, inertia, momentum, lever, square, load_sine, _ = work
+    stiffness = (step * rod[OMEGA_B]) ** 2
+    damping = 2.0 * rod[ZETA] * step * rod[OMEGA_B]
+    friction = step * rod[C] * rod[J]
+    sine[0], cosine[0] = math.sin(theta[0]), math.cos(theta[0])
+    inertia[0] = rod[J] + eta[0] ** 2
+    momentum[0] = inertia[0] * theta[1]
+    eta_dot[0] = eta[1]
     for n in range(ORDER):
         if n > 0:
-            sine[n] = _chain(angle, cosine, n) / n
-            cosine[n] = -_chain(angle, sine, n) / n
-            inertia[n] = _product(bend, bend, n)
+            sine[n] = _chain(theta, cosine, n) / n
+            cosine[n] = -_chain(theta, sine, n) / n
+            inertia[n] = _product(eta, eta, n)
         rest = momentum[n]
         for j in range(1, n + 1):
-            rest -= inertia[j] * pace[n - j]
-        pace[n] = rest / inertia[0]
-        angle[n + 1] = pace[n] / (n + 1)
-        bend[n + 1] = sway[n] / (n + 1)
-        lever[n] = rod[LEVER] * sine[n] + rod[COUPLING] * _product(bend, cosine, n)
-        square[n] = _product(pace, pace, n)
-        leaned[n] = _product(load, sine, n)
-        momentum[n + 1] = (_product(load, lever, n) - friction * pace[n]) / (n + 1)
-        whirl = _product(bend, square, n) + rod[COUPLING] * leaned[n]
-        sway[n + 1] = (whirl - stiffness * bend[n] - yielding * sway[n]) / (n + 1)
+            rest -= inertia[j] * theta_dot[n - j]
+        theta_dot[n] = rest / inertia[0]
+        theta[n + 1] = theta_dot[n] / (n + 1)
+        eta[n + 1] = eta_dot[n] / (n + 1)
+        lever[n] = rod[L_C] * sine[n] + rod[BETA] * _product(eta, cosine, n)
+        square[n] = _product(theta_dot, theta_dot, n)
+        load_sine[n] = _product(load, sine, n)
+        momentum[n + 1] = (_product(load, lever, n) - friction * theta_dot[n]) / (n + 1)
+        forcing = _product(eta, square, n) + rod[BETA] * load_sine[n]
+        eta_dot[n + 1] = (forcing - stiffness * eta[n] - damping * eta_dot[n]) / (n + 1)
 
 
 @kernel
@@ -113,18 +113,19 @@ def _product(left: NDArray[np.float64], right: NDArray[np.float64], n: int) -> f
 
 
 @kernel
-def _chain(angle: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> float:
+def _chain(theta: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> float:
     """Return the (n − 1)th coefficient of θ̇ times a factor."""
     total = 0.0
     for j in range(1, n + 1):
-        total += j * angle[j] * factor[n - j]
+        total += j * theta[j] * factor[n - j]
     return total
 
 
 @kernel
 def _end(series: NDArray[np.float64], step: float) -> tuple[float, float]:
-    height, pace = 0.0, 0.0
+    """Return a series and its rate per second at the end of the step."""
+    value, slope = 0.0, 0.0
     for n in range(series.size - 1, 0, -1):
-        height += series[n]
-        pace += n * series[n]
-    return height + series[0], pace / step
+        value += series[n]
+        slope += n * series[n]
+    return value + series[0], slope / step

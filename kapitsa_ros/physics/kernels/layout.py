@@ -18,8 +18,8 @@ STATE_SIZE = 9
 # MODE: what the rod does.
 HELD, MOVING, STUCK, FALLEN, FAILED = 0.0, 1.0, 2.0, 3.0, 4.0
 
-# CONTACT: which side of the hole the pin is on. GAP is the hole's centre above the pin's.
-PIN_PUSHES_UP, IN_FLIGHT, PIN_PULLS_DOWN = -1.0, 0.0, 1.0
+# CONTACT: the sign of GAP, the hole's centre above the pin's, where they touch (+1: the pin pulls down).
+PIN_PUSHES_UP, IN_FLIGHT = -1.0, 0.0
 
 # The constants.
 K, GRAVITY, DAMPING, COULOMB, RESTITUTION, STOP, WEAR, FAILURE_CLEARANCE, LINEAR = range(9)

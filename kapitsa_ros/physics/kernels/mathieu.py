@@ -34,18 +34,18 @@ def half_period(a: float, q: float) -> tuple[float, float, float, float]:
         cosine, sine = math.cos(2.0 * i * step), math.sin(2.0 * i * step)
         term = 2.0 * q * step * step
         for n in range(ORDER - 1):
-            wave = cosine if n % 2 == 0 else sine
-            frequency[n] = term * wave if n % 4 in (0, 3) else -term * wave
+            harmonic = cosine if n % 2 == 0 else sine
+            frequency[n] = term * harmonic if n % 4 in (0, 3) else -term * harmonic
             term *= 2.0 * step / (n + 1)
         frequency[0] -= a * step * step
         even[0], even[1], odd[0], odd[1] = x1, r1, x2, r2
         for n in range(ORDER - 1):
-            pull1, pull2 = 0.0, 0.0
+            sum1, sum2 = 0.0, 0.0
             for j in range(n + 1):
-                pull1 += frequency[j] * even[n - j]
-                pull2 += frequency[j] * odd[n - j]
-            even[n + 2] = pull1 / ((n + 1) * (n + 2))
-            odd[n + 2] = pull2 / ((n + 1) * (n + 2))
+                sum1 += frequency[j] * even[n - j]
+                sum2 += frequency[j] * odd[n - j]
+            even[n + 2] = sum1 / ((n + 1) * (n + 2))
+            odd[n + 2] = sum2 / ((n + 1) * (n + 2))
         x1, r1, x2, r2 = 0.0, 0.0, 0.0, 0.0
         for n in range(ORDER, 0, -1):
             x1 += even[n]

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-SMALLEST_BOUNCE = 1e-12  # of the clearance: the last impact of a bouncing hole takes all that is left
+SMALLEST_BOUNCE = 1e-12  # of the clearance: the last impact of a bouncing hole takes all the velocity that remains
 
 
 @kernel
@@ -65,18 +65,18 @@ def time_to_touch(
     load: NDArray[np.float64],
     gap: NDArray[np.float64],
     state: NDArray[np.float64],
-    left: float,
+    remaining: float,
 ) -> float:
     """Return when the hole lifts off the pin, or strikes it."""
     if state[CLEARANCE] == 0.0:
         return NEVER
     if state[CONTACT] != IN_FLIGHT:
-        return first_descent(-state[CONTACT] * load, left)
+        return first_descent(-state[CONTACT] * load, remaining)
     above = -gap
     above[0] += 0.5 * state[CLEARANCE]
     below = gap.copy()
     below[0] += 0.5 * state[CLEARANCE]
-    return min(first_descent(above, left), first_descent(below, left))
+    return min(first_descent(above, remaining), first_descent(below, remaining))
 
 
 @kernel
@@ -86,23 +86,23 @@ def touch(
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
 ) -> None:
-    """Lift the hole off the pin, or let it strike: the rod is kicked, the hole worn."""
+    """Lift the hole off the pin, or carry out its impact, which changes the rate of the rod and wears the hole."""
     if state[CONTACT] != IN_FLIGHT:
         state[CONTACT] = IN_FLIGHT
         state[GAP_RATE] = 0.0
         return
     side = math.copysign(1.0, state[GAP])
-    strike = state[GAP_RATE]
-    rebound = plant[RESTITUTION] * strike
-    pressing = -side * load[0] / (step * step)
-    if pressing > 0.0 and rebound**2 <= 2.0 * pressing * SMALLEST_BOUNCE * state[CLEARANCE]:
+    approach = state[GAP_RATE]
+    rebound = plant[RESTITUTION] * approach
+    acceleration = -side * load[0] / (step * step)
+    if acceleration > 0.0 and rebound**2 <= 2.0 * acceleration * SMALLEST_BOUNCE * state[CLEARANCE]:
         rebound = 0.0
         state[CONTACT] = side
-    lean = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
-    state[RATE] -= (strike + rebound) * plant[K] * lean
+    sin_theta = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
+    state[RATE] -= (approach + rebound) * plant[K] * sin_theta
     state[GAP_RATE] = -rebound
 
-    energy = 0.5 * (strike * strike - rebound * rebound)
+    energy = 0.5 * (approach * approach - rebound * rebound)
     state[IMPACT_ENERGY] += energy
     state[CLEARANCE] += plant[WEAR] * energy
     if state[CLEARANCE] >= plant[FAILURE_CLEARANCE]:

@@ -1,5 +1,5 @@
 # ruff: noqa: PLR0917 (compiled functions take their arrays by position)
-"""The rod over one interval of smooth pivot motion: free, rubbing, stuck, falling over, in play.
+"""The rod over one interval of smooth pivot motion: free, sliding with friction, stuck, falling, in play.
 
 Between events the motion is one power series; every event (reversal, stick, slip, lift-off, impact, stop) is the first
 root of a polynomial, so switching is exact and nothing is smoothed.
@@ -68,7 +68,7 @@ def advance_interval(
     Returns
     -------
     bool
-        False where events come too thick to be told apart.
+        False where events are too close together to be told apart.
 
     """
     if state[MODE] != MOVING and state[MODE] != STUCK:
@@ -90,16 +90,16 @@ def _advance_freely(
     """Carry the state over a whole interval without friction and play: no event but the stop."""
     angle = work[0]
     _expand_angle(load, 0.0, step, plant, state, work)
-    travel, pace, reach = 0.0, 0.0, abs(angle[0])
+    change, slope, bound = 0.0, 0.0, abs(angle[0])
     for n in range(angle.size - 1, 0, -1):
-        travel += angle[n]
-        pace += n * angle[n]
-        reach += abs(angle[n])
-    if reach >= plant[STOP] and _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
-        _lie_down(state, plant)
+        change += angle[n]
+        slope += n * angle[n]
+        bound += abs(angle[n])
+    if bound >= plant[STOP] and _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
+        _rest_at_stop(state, plant)
         return
-    state[ANGLE] += travel
-    state[RATE] = pace / step
+    state[ANGLE] += change
+    state[RATE] = slope / step
 
 
 @kernel
@@ -117,23 +117,23 @@ def _advance_by_pieces(
     load = work[6, : load.size]
     if start > 0.0:
         shift(load, start)
-    left = 1.0 - start
+    remaining = 1.0 - start
     slipping, lifting = False, False
     for _ in range(MOST_PIECES):
         expand_gap(load, step, state, lifting, gap)
         _expand_piece(load, step, plant, state, work, slipping)
-        stop = _time_to_stop(angle, plant[STOP], left)
-        change = _time_to_friction_change(load, angle, step, plant, state, left, work[3, 1:])
-        contact = time_to_touch(load, gap, state, left)
-        span = min(stop, change, contact, left)
+        stop = _time_to_stop(angle, plant[STOP], remaining)
+        change = _time_to_friction_change(load, angle, step, plant, state, remaining, work[3, 1:])
+        contact = time_to_touch(load, gap, state, remaining)
+        span = min(stop, change, contact, remaining)
         _carry(angle, gap, span, step, state)
-        if span == left:
+        if span == remaining:
             return True
         shift(load, span)
-        left -= span
+        remaining -= span
         slipping, lifting = False, False
         if stop == span:
-            _lie_down(state, plant)
+            _rest_at_stop(state, plant)
         elif contact == span:
             lifting = state[CONTACT] != IN_FLIGHT
             touch(load, step, plant, state)
@@ -154,11 +154,11 @@ def _carry(
     state: NDArray[np.float64],
 ) -> None:
     """Take the state to the end of a piece."""
-    state[ANGLE], pace = value_and_slope(angle, span)
-    state[RATE] = pace / step
+    state[ANGLE], slope = value_and_slope(angle, span)
+    state[RATE] = slope / step
     if state[CONTACT] == IN_FLIGHT:
-        state[GAP], pace = value_and_slope(gap, span)
-        state[GAP_RATE] = pace / step
+        state[GAP], slope = value_and_slope(gap, span)
+        state[GAP_RATE] = slope / step
 
 
 @kernel
@@ -192,9 +192,9 @@ def _expand_angle(
     work: NDArray[np.float64],
 ) -> None:
     drive = work[4, :-2]
-    leverage = 0.0 if state[CONTACT] == IN_FLIGHT else plant[K]
+    k = 0.0 if state[CONTACT] == IN_FLIGHT else plant[K]
     for n in range(load.size):
-        drive[n] = leverage * load[n]
+        drive[n] = k * load[n]
     drive[load.size :] = 0.0
     angle = work[0]
     angle[0] = state[ANGLE]
@@ -207,8 +207,8 @@ def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) 
     """Return the load's share of θ″ (times h²)."""
     if state[CONTACT] == IN_FLIGHT:
         return 0.0
-    lean: float = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
-    return float(plant[K] * load * lean)
+    sin_theta: float = state[ANGLE] if plant[LINEAR] != 0.0 else math.sin(state[ANGLE])
+    return float(plant[K] * load * sin_theta)
 
 
 @kernel
@@ -220,15 +220,15 @@ def _friction(
     slipping: bool,  # noqa: FBT001
 ) -> float:
     """Settle whether the rod slides or sticks at the start of a piece, and return h² f sgn θ′."""
-    grip = step * step * plant[COULOMB]
-    if grip == 0.0:
+    friction_limit = step * step * plant[COULOMB]
+    if friction_limit == 0.0:
         return 0.0
     state[MODE] = MOVING
     if state[RATE] != 0.0:
-        return math.copysign(grip, state[RATE])
-    pull = torque(load[0], plant, state)
-    if slipping or abs(pull) > grip:
-        return math.copysign(grip, pull)
+        return math.copysign(friction_limit, state[RATE])
+    load_torque = torque(load[0], plant, state)
+    if slipping or abs(load_torque) > friction_limit:
+        return math.copysign(friction_limit, load_torque)
     state[MODE] = STUCK
     return 0.0
 
@@ -240,44 +240,44 @@ def _time_to_friction_change(
     step: float,
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
-    left: float,
-    pace: NDArray[np.float64],
+    remaining: float,
+    slope: NDArray[np.float64],
 ) -> float:
-    """Return when a sliding rod comes to rest, or a stuck one is torn loose."""
-    grip = step * step * plant[COULOMB]
-    if grip == 0.0:
+    """Return when a sliding rod comes to rest, or a stuck one breaks loose."""
+    friction_limit = step * step * plant[COULOMB]
+    if friction_limit == 0.0:
         return NEVER
     if state[MODE] == STUCK:
-        pull = load * torque(1.0, plant, state)
-        ahead, behind = -pull, pull
-        ahead[0] = max(ahead[0] + grip, 0.0)
-        behind[0] = max(behind[0] + grip, 0.0)
-        return min(first_descent(ahead, left), first_descent(behind, left))
+        load_torque = load * torque(1.0, plant, state)
+        ahead, behind = -load_torque, load_torque
+        ahead[0] = max(ahead[0] + friction_limit, 0.0)
+        behind[0] = max(behind[0] + friction_limit, 0.0)
+        return min(first_descent(ahead, remaining), first_descent(behind, remaining))
     first = 1
     while angle[first] == 0.0 and first < angle.size - 1:
         first += 1
     direction = math.copysign(1.0, angle[first])
-    for n in range(pace.size):
-        pace[n] = direction * (n + 1) * angle[n + 1]
-    return first_descent(pace, left)
+    for n in range(slope.size):
+        slope[n] = direction * (n + 1) * angle[n + 1]
+    return first_descent(slope, remaining)
 
 
 @kernel
-def _time_to_stop(angle: NDArray[np.float64], stop: float, left: float) -> float:
-    reach = 0.0
+def _time_to_stop(angle: NDArray[np.float64], stop: float, remaining: float) -> float:
+    bound = 0.0
     for n in range(angle.size):
-        reach += abs(angle[n])
-    if reach < stop:
+        bound += abs(angle[n])
+    if bound < stop:
         return NEVER
     ahead = -angle
     ahead[0] += stop
     behind = angle.copy()
     behind[0] += stop
-    return min(first_descent(ahead, left), first_descent(behind, left))
+    return min(first_descent(ahead, remaining), first_descent(behind, remaining))
 
 
 @kernel
-def _lie_down(state: NDArray[np.float64], plant: NDArray[np.float64]) -> None:
+def _rest_at_stop(state: NDArray[np.float64], plant: NDArray[np.float64]) -> None:
     state[ANGLE] = math.copysign(plant[STOP], state[ANGLE])
     state[RATE] = 0.0
     state[MODE] = FALLEN

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 ORDER = 13
 COARSEST = 1e-7  # highest coefficient over the sum: keeps 1e-9 rad over ten seconds
 ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into that coefficient
-LEFT_OUT = 1e-11  # rad, the last term of the angle's series
+TRUNCATION = 1e-11  # rad, the last term of the angle's series
 ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
 DONE, TOO_COARSE, TOO_MANY_EVENTS, TOO_FAST = range(4)
 
@@ -52,8 +52,8 @@ def advance_block(
     Returns
     -------
     int
-        DONE; TOO_COARSE, with nothing changed; TOO_THICK, where events could not be told apart; TOO_WILD, where the
-        rod does more between two samples than a series of this order holds.
+        DONE; TOO_COARSE, with nothing changed; TOO_MANY_EVENTS, where events could not be told apart; TOO_FAST,
+        where the rod moves more between two samples than a series of this order holds.
 
     """
     intervals = pivot.shape[1] - 1
@@ -72,7 +72,7 @@ def advance_block(
         load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
             return TOO_MANY_EVENTS
-        if not abs(work[0, -1]) <= LEFT_OUT:
+        if not abs(work[0, -1]) <= TRUNCATION:
             return TOO_FAST
         at_end = load[i + 1, 0] + weight if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
@@ -94,21 +94,21 @@ def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.f
 
 
 @kernel
-def _release(pace: float, acceleration: NDArray[np.float64], state: NDArray[np.float64]) -> float:
+def _release(velocity: float, acceleration: NDArray[np.float64], state: NDArray[np.float64]) -> float:
     """Return the τ at which the catch lets go, at the bottom of the stroke or where the pivot rests; else `NEVER`."""
     if state[RELEASING] == 0.0:
         return NEVER
-    rise = np.empty(acceleration.size + 1)
-    rise[0] = pace
-    rise[1:] = acceleration / np.arange(1.0, acceleration.size + 1.0)
+    velocity_series = np.empty(acceleration.size + 1)
+    velocity_series[0] = velocity
+    velocity_series[1:] = acceleration / np.arange(1.0, acceleration.size + 1.0)
     resting = True
-    for n in range(rise.size):
-        resting &= rise[n] == 0.0
+    for n in range(velocity_series.size):
+        resting &= velocity_series[n] == 0.0
     at = NEVER
-    if resting or (rise[1] > 0.0 and abs(rise[0]) < ON_TIME * rise[1]):
+    if resting or (velocity_series[1] > 0.0 and abs(velocity_series[0]) < ON_TIME * velocity_series[1]):
         at = 0.0
-    elif rise[0] < 0.0:
-        at = first_descent(-rise, 1.0)
+    elif velocity_series[0] < 0.0:
+        at = first_descent(-velocity_series, 1.0)
     if at < 1.0:
         state[MODE] = MOVING
         state[RELEASING] = 0.0

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 @kernel
 def verlet(
     weight: float,
-    shake: float,
+    drive: float,
     speed: float,
     phase: float,
     release: float,
@@ -35,11 +35,11 @@ def verlet(
         span = lead * turn if i == 0 else turn
         start = phase if i == 0 else 0.0
         h = span / steps
-        pull = (weight + shake * math.cos(start)) * math.sin(angle)
+        torque = (weight + drive * math.cos(start)) * math.sin(angle)
         for n in range(steps):
-            rate += 0.5 * h * pull
+            rate += 0.5 * h * torque
             angle += h * rate
-            pull = (weight + shake * math.cos(start + speed * h * (n + 1))) * math.sin(angle)
-            rate += 0.5 * h * pull
+            torque = (weight + drive * math.cos(start + speed * h * (n + 1))) * math.sin(angle)
+            rate += 0.5 * h * torque
         orbit[0, i] = angle
         orbit[1, i] = rate

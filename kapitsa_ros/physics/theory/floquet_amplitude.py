@@ -35,8 +35,8 @@ def slow_amplitude(
     spread = 2.0 * x1 * r1 * ratio  # what the multiplier differs by from half the trace
     if spread.imag > 0 or spread.real * (x1 * r2 + r1 * x2) < 0:
         ratio = -ratio
-    pace = (rate + 0.5 * plant.damping * angle) * (2.0 / speed)
-    return angle + ratio * pace
+    slope = (rate + 0.5 * plant.damping * angle) * (2.0 / speed)
+    return angle + ratio * slope
 
 
 def mean_turn(amplitude: NDArray[np.complex128]) -> float:
