@@ -58,12 +58,3 @@ class PersistenceFilter:
         motion = np.concatenate((self._recent, samples))
         self._recent = motion[samples.size :]
         return np.convolve(motion, self._weights, mode='valid')
-
-    def resampled(self, persistence: float, period: float) -> PersistenceFilter:
-        """Return an eye with the same memory for samples of another period."""
-        other = PersistenceFilter(persistence, period, 0.0)
-        ages = np.arange(other._recent.size)[::-1] * period
-        known = np.arange(self._recent.size)[::-1] * self.period
-        if known.size:
-            other._recent = np.interp(-ages, -known, self._recent)
-        return other

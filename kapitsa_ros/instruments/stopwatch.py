@@ -64,6 +64,7 @@ class Stopwatch:
         self._swings = swings
         self._rng = rng
         self._end = math.nan
+        self._period = math.nan
         self._angle = math.nan
         self._held = False
         self._timing: _Timing | None = None
@@ -74,7 +75,7 @@ class Stopwatch:
         Parameters
         ----------
         start
-            Seconds of the run at the block's first sample; after a gap the person begins anew.
+            Seconds of the run at the block's first sample; after a gap, or with other samples, the person begins anew.
         motion
             Of the pendulum, rad from upright.
 
@@ -84,7 +85,7 @@ class Stopwatch:
             The reading that was finished in this step.
 
         """
-        joined = abs(start - self._end) <= motion.period
+        joined = abs(start - self._end) <= motion.period and math.isclose(motion.period, self._period, rel_tol=1e-9)
         still = bool(np.ptp(motion.position) <= _STILL)
         if not joined or abs(motion.position[0] - self._angle) > _STILL:  # a hand has moved it
             self._timing = None
@@ -94,6 +95,7 @@ class Stopwatch:
             thumb = draw_press_errors(self._settings, self._rng)
             self._timing = _Timing(self._settings, self._swings, thumb, start, motion)
         self._end = start + motion.duration
+        self._period = motion.period
         self._angle = float(motion.position[-1])
         reading = self._timing.follow(start, motion, still=still) if self._timing else None
         if reading is not None:
@@ -123,8 +125,6 @@ class _Timing:
 
     def follow(self, start: float, motion: SampledMotion, *, still: bool) -> StopwatchReading | None:
         """Follow the swing for one block and tell what the release came to, once that is known."""
-        if not math.isclose(motion.period, self._eye.period, rel_tol=1e-9):
-            self._eye = self._eye.resampled(self._settings.persistence, motion.period)
         blurred = np.concatenate(((self._seen,), self._eye.see(motion.position[1:])))
         upright = np.signbit(blurred)
         for index in np.flatnonzero(upright[1:] != upright[:-1]).tolist():

@@ -119,10 +119,8 @@ def _leave_interrupts_to_the_parent() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def perform_all(
-    experiment: SimulatedExperiment, experiments: int, workers: Workers | None = None, first_seed: int = 1
-) -> Iterator[Outcome]:
-    """Carry out many experiments, by default on all cores of this machine.
+def perform_all(experiment: SimulatedExperiment, experiments: int, workers: Workers | None = None) -> Iterator[Outcome]:
+    """Carry out many experiments, with seeds from 1 on, by default on all cores of this machine.
 
     Outcomes come in the order of their seeds and depend on nothing else.
 
@@ -134,8 +132,7 @@ def perform_all(
     """
     if experiments < 1:
         raise AnalysisError(f'{experiments} experiments: carry out one or more')
-    seeds = range(first_seed, first_seed + experiments)
-    yield from (workers or Cores()).map(partial(perform, experiment), seeds)
+    yield from (workers or Cores()).map(partial(perform, experiment), range(1, experiments + 1))
 
 
 def summarise(outcomes: Sequence[Outcome], truth: float, wall: float, workers: int) -> Campaign:

@@ -43,7 +43,6 @@ class Pendulum:
             raise ParameterError(f'stop is {stop} rad: give a finite angle above 0')
         self._stop = stop
         self._constants = layout.constants(plant, stop=stop, linear=linear)
-        self._clearance = plant.clearance
         self._state = layout.state_at_rest(0.0, plant.clearance)
 
     @property

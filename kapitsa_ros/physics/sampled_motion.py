@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kapitsa_ros.physics.errors import MotionError
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
-
-EVEN = 1e-6  # of a period: how far rounding may move a time
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,33 +46,6 @@ class SampledMotion:
             )
         if not all(np.isfinite(array).all() for array in (self.position, self.rate, self.acceleration)):
             raise MotionError('a motion sample is not finite')
-
-    @classmethod
-    def at_times(cls, time: ArrayLike, position: ArrayLike, rate: ArrayLike, acceleration: ArrayLike) -> Self:
-        """Return a record whose samples carry their times, s.
-
-        Raises
-        ------
-        MotionError
-            Times that run backwards or leave a gap, or what the class itself refuses.
-
-        """
-        times = np.asarray(time, dtype=float)
-        steps = np.diff(times)
-        if times.ndim != 1 or steps.size == 0 or not np.isfinite(times).all():
-            raise MotionError('times of a record: give two or more, all finite')
-        if steps.min() <= 0:
-            at = int(np.argmax(steps <= 0))
-            raise MotionError(f'time runs backwards after {times[at]:.9g} s: sort the record')
-        period = (times[-1] - times[0]) / steps.size
-        uneven = np.abs(times - times[0] - period * np.arange(times.size)) > EVEN * period
-        if uneven.any():
-            at = int(np.argmax(steps))
-            raise MotionError(
-                f'{steps[at]:.6g} s follow the sample at {times[at]:.9g} s, others {np.median(steps):.6g} s: '
-                'give a record without gaps'
-            )
-        return cls(float(period), *(np.asarray(array, dtype=float) for array in (position, rate, acceleration)))
 
     @property
     def duration(self) -> float:

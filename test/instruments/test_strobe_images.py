@@ -6,9 +6,8 @@ import pytest
 
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.dial_search import raise_until_doubled, read_dial, standing_ratios
-from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.instruments.strobe_images import look, standing_images
+from kapitsa_ros.instruments.strobe_images import faintest, standing_images
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.units import RPM
 
@@ -27,12 +26,9 @@ def flashed(p, q, phase):
 @pytest.mark.parametrize('q', range(1, 6))
 @pytest.mark.parametrize('p', range(1, 6))
 def test_flashes_at_any_ratio_show_the_images_that_physics_gives(p, q, phase):
-    picture = look(p / q * SPEED, SPEED, phase, EYE)
-    assert picture.images == flashed(p, q, phase).size
-    assert picture.heights == pytest.approx(flashed(p, q, phase), abs=1e-5)
-    ratio = Fraction(p, q)
-    assert (picture.flash_phases, picture.revolutions) == (ratio.numerator, ratio.denominator)
-    assert picture.shares.sum() == pytest.approx(1)
+    heights, shares = standing_images(Fraction(p, q).numerator, phase, EYE.mark_width)
+    assert heights == pytest.approx(flashed(p, q, phase), abs=1e-5)
+    assert shares.sum() == pytest.approx(1)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +49,7 @@ def test_flashes_at_any_ratio_show_the_images_that_physics_gives(p, q, phase):
     ],
 )
 def test_special_phases_fool_the_eye(ratio, phase, images):
-    assert look(float(ratio) * SPEED, SPEED, phase, EYE).images == images
+    assert standing_images(ratio.numerator, phase, EYE.mark_width)[0].size == images
 
 
 def test_share_of_the_flashes_is_the_contrast():
@@ -68,23 +64,9 @@ def test_images_nearer_than_the_mark_is_wide_look_like_one():
         assert standing_images(2, math.pi / 2 + offset, width)[0].size == images
 
 
-def test_drift_that_the_eye_does_not_notice_looks_like_none():
-    eye = StrobeSettings(drift_limit=0.5)
-    for drift, images in ((0.49, 2), (0.51, 0), (-0.49, 2), (-0.51, 0)):
-        picture = look(2 * (SPEED - drift), SPEED, 0.7, eye)
-        assert picture.images == images
-        assert not images or picture.drift == pytest.approx(drift)
-
-
-def test_many_images_are_too_faint_to_be_seen():
-    assert look(6 / 5 * SPEED, SPEED, 0.7, StrobeSettings(contrast_limit=0.2)).images == 0
-    assert look(6 / 5 * SPEED, SPEED, 0.7, StrobeSettings(contrast_limit=1 / 6)).images == 6
-
-
-@pytest.mark.parametrize('rates', [(0.0, 1.0), (1.0, 0.0), (math.nan, 1.0), (-1.0, 1.0), (math.inf, 1.0)])
-def test_rates_that_are_none_are_refused(rates):
-    with pytest.raises(InstrumentError, match='positive'):
-        look(*rates, 0.0, EYE)
+def test_images_of_many_phases_are_too_faint_to_be_seen():
+    assert faintest(StrobeSettings(contrast_limit=0.2)) == 5
+    assert faintest(StrobeSettings(contrast_limit=1 / 6)) == 6
 
 
 def test_standing_ratios_are_those_with_few_phases():

@@ -166,28 +166,6 @@ def test_samples_too_far_apart_for_a_quick_rod_are_refused():
     swing(quick, 2500 * RPM, 0.01, blocks=1, count=1000)
 
 
-def test_a_record_with_times_is_the_same_motion():
-    pivot = jigsaw_at(250.0).advance(250.0, 0.1, 100)
-    record = SampledMotion.at_times(3.0 + 1e-3 * np.arange(101), pivot.position, pivot.rate, pivot.acceleration)
-    assert record.period == pytest.approx(1e-3, rel=1e-12)
-    assert record.position.tobytes() == pivot.position.tobytes()
-
-
-@pytest.mark.parametrize(
-    ('times', 'message'),
-    [
-        ([0.0, 0.001, 0.002, 0.004, 0.005], 'gaps'),
-        ([0.0, 0.001, 0.003, 0.002, 0.004], 'backwards'),
-        ([0.0, 0.001, 0.001, 0.002, 0.003], 'backwards'),
-        ([0.0, 0.001, math.nan, 0.003, 0.004], 'finite'),
-        ([0.0], 'two or more'),
-    ],
-)
-def test_a_record_with_gaps_or_reversed_time_is_refused(times, message):
-    with pytest.raises(MotionError, match=message):
-        SampledMotion.at_times(times, *np.zeros((3, len(times))))
-
-
 @pytest.mark.parametrize(
     ('period', 'sizes', 'value'),
     [

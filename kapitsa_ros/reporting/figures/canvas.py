@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-INK, BLUE, ORANGE, GREEN, GREY = '#222222', '#0072b2', '#d55e00', '#009e73', '#999999'  # distinct to every eye
+INK, BLUE, ORANGE, GREY = '#222222', '#0072b2', '#d55e00', '#999999'  # distinct to every eye
 
 
 def blank(title: str, panels: int = 1, *, stacked: bool = False) -> Figure:
