@@ -36,8 +36,6 @@ class PersistenceFilter:
         weights = np.exp(-0.5 * (offsets / max(persistence, np.finfo(np.float64).tiny)) ** 2)
         self._weights = weights / weights.sum()
         self._recent = np.full(2 * half, resting)
-        self.period = period
-        """Sample period, s."""
         self.latency = half * period
         """How long after a moment its blurred value is known, s."""
 

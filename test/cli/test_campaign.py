@@ -1,12 +1,19 @@
 import json
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from kapitsa_ros.cli.commands.campaign import campaign
 from kapitsa_ros.cli.commands.plan import plan
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.laboratory.campaign import perform_all
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.errors import ClusterError
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.units import RPM
 
 
 def values(command, *arguments):
@@ -28,7 +35,11 @@ def test_campaign_has_the_keys_of_the_contract():
         'efficiency',
     }
     assert found['omega_crit_rpm'].keys() == {'median', 'p16', 'p84'}
-    assert 1250 < found['omega_crit_rpm']['median'] < 1450
+    experiment = SimulatedExperiment(
+        plant=Plant(), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=1
+    )
+    speeds = [outcome.omega_crit / RPM for outcome in perform_all(experiment, 4)]
+    assert found['omega_crit_rpm']['median'] == pytest.approx(np.median(speeds))
 
 
 def test_experiments_that_all_fail_say_why():

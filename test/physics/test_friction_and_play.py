@@ -185,10 +185,14 @@ def test_wear_grows_the_clearance_with_the_energy_of_the_impacts_until_the_rod_c
 
 
 def test_small_swings_with_friction_free_pivot_follow_linear_theory():
+    """From turn to turn a linear swing obeys x₊ + x₋ = 2 cos(ΩT) x, whatever its phase."""
     _, angle, _, _ = swing(Plant(), SPEED, 1e-3, blocks=100, linear=True)
-    _, double, _, _ = swing(Plant(), SPEED, 2e-3, blocks=100, linear=True)
-    np.testing.assert_allclose(double, 2 * angle, rtol=0, atol=1e-15)
-    assert theory.slow_frequency_exact(Plant(), SPEED) > 0
+    turn = 24  # ms, exactly
+    before, now, after = angle[: -2 * turn], angle[turn:-turn], angle[2 * turn :]
+    half_trace = (before + after) @ now / (2 * now @ now)
+    slow = theory.slow_frequency_exact(Plant(), SPEED)
+    assert half_trace == pytest.approx(math.cos(slow * TURN), abs=1e-9)
+    np.testing.assert_allclose(before + after, 2 * half_trace * now, rtol=0, atol=1e-11)
 
 
 def test_linear_and_nonlinear_part_with_the_cube_of_the_amplitude():

@@ -3,7 +3,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from kapitsa_ros.physics.kernels import layout
@@ -23,8 +23,8 @@ ROOTS = st.lists(st.floats(0.01, 3.0), min_size=0, max_size=5)
 def test_first_descent_finds_the_first_root(roots, pairs, end):
     """Of a polynomial made of its roots, real and complex, that starts positive."""
     roots = sorted(roots)
-    if any(b - a < 0.02 for a, b in pairwise(roots)) or any(abs(one - end) < 0.01 for one in roots):
-        return  # nearly double roots are ill-conditioned
+    # Nearly double roots are ill-conditioned.
+    assume(all(b - a >= 0.02 for a, b in pairwise(roots)) and all(abs(one - end) >= 0.01 for one in roots))
     polynomial = np.array([1.0])
     for root in roots:
         polynomial = np.convolve(polynomial, [1.0, -1.0 / root])

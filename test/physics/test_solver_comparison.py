@@ -8,7 +8,10 @@ from kapitsa_ros.units import RPM
 
 
 def test_the_divergence_is_the_solvers():
-    """Solvers as they come disagree even about its sign; exact ones see none, nor does ours in 20,000 cycles."""
+    """Solvers as they come disagree even about its sign; exact ones see none, nor does ours in 20,000 cycles.
+
+    How fast BDF lets it grow hangs on the kernel that OpenBLAS takes for a processor: 0.009 or 0.022 1/s.
+    """
     release = Release(plant=Plant(), speed=2500 * RPM, angle=0.12)
     growth = {
         verdict.solver.split(' ')[0]: verdict.growth
@@ -16,7 +19,7 @@ def test_the_divergence_is_the_solvers():
     }
     assert growth['RK45'] > 3e-3
     assert growth['RK23'] < -3e-3
-    assert growth['BDF'] > growth['RK45']
+    assert growth['BDF'] > 3e-3
     assert abs(growth['DOP853']) < 1e-7
     assert abs(growth['Verlet']) < 1e-7
     assert abs(growth['ours,']) < 1e-13

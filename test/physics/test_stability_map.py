@@ -31,11 +31,16 @@ def test_the_map_at_1e_10():
     speeds = np.linspace(300, 5000, 200) * RPM
     amplitudes = np.linspace(0.002, 0.12, 150)
     found = theory.stability_map(plant, speeds, amplitudes)
-    for i, j in ((0, 0), (3, 197), (77, 31), (149, 0), (149, 199), (100, 100)):
-        rod = Plant(damping=1.0, amplitude=amplitudes[i])
-        slow = theory.slow_frequency_exact(rod, speeds[j])
-        if found.stable[i, j] and slow:
-            assert found.half_trace[i, j] == pytest.approx(math.cos(2 * math.pi * slow / speeds[j]), abs=1e-10)
+    standing, falling = ((3, 197), (40, 150), (77, 31), (60, 150)), ((0, 0), (5, 20), (149, 199), (100, 198))
+    for i, j in standing:
+        slow = theory.slow_frequency_exact(Plant(damping=1.0, amplitude=amplitudes[i]), speeds[j])
+        assert found.stable[i, j]
+        assert found.half_trace[i, j] == pytest.approx(math.cos(2 * math.pi * slow / speeds[j]), abs=1e-10)
+    for i, j in falling:
+        growth = theory.growth_rate(Plant(damping=1.0, amplitude=amplitudes[i]), speeds[j])
+        assert not found.stable[i, j]
+        expected = math.cosh(2 * math.pi * (growth + 0.5) / speeds[j])
+        assert abs(found.half_trace[i, j]) == pytest.approx(expected, rel=1e-10)
 
 
 @pytest.mark.parametrize(

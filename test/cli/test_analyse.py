@@ -1,0 +1,82 @@
+"""`kapitsa analyse` and `kapitsa bag info` on the shipped runs."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from kapitsa_ros.analysis.slow_frequency import ESTIMATORS
+from kapitsa_ros.cli.commands.analyse import analyse
+from kapitsa_ros.cli.commands.bag import bag
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.rig.errors import UsageError
+
+BAGS = [str(resource_path('bags', name)) for name in ('run_01_2240rpm', 'run_02_2640rpm', 'run_03_2780rpm')]
+
+
+def output(command, *arguments):
+    result = CliRunner().invoke(command, arguments, env={'COLUMNS': '120'})
+    assert result.exception is None, result.exception
+    return result.stdout
+
+
+def test_the_three_tables_stand_beside_1997():
+    values = json.loads(output(analyse, *BAGS, '--json'))
+    rows = [
+        [cell.strip() for cell in line.strip('│').split('│')]
+        for line in output(analyse, *BAGS).splitlines()
+        if line.startswith('│')
+    ]
+    assert rows[:2] == [['L', '9.75 in', '9.75 in'], ['λ', '0.5 in', '0.5 in']]
+    for number, (row, run) in enumerate(zip(rows[2:5], values['runs'], strict=True), start=1):
+        assert row[0] == str(number)
+        assert row[4:] == [f'{run["speed_reading_rpm"]:.1f}', f'{run["period_s"]:.3f}', f'{run["slow_rpm"]:.1f}']
+    assert [row[1:4] for row in rows[2:5]] == [['2240', '1.00', '60'], ['2640', '0.75', '80'], ['2780', '0.68', '88']]
+    low, high = values['omega_crit_interval_rpm']
+    assert {row[0]: row[1:] for row in rows[5:]} == {
+        'experiment: ω² on Ω², as in 1997': ['1640.0 RPM', f'{values["inverse_rpm"]:.1f} RPM'],
+        'experiment: Ω² on ω²': ['1636.2 RPM', f'{values["ols_rpm"]:.1f} RPM'],
+        'predicted': ['1353.1 RPM', '1353.1 RPM'],
+        'error': ['21.2 %', f'{100 * (values["inverse_rpm"] / values["predicted_rpm"] - 1):.1f} %'],
+        'best estimate: the exact curve': ['', f'{values["omega_crit_rpm"]:.1f} RPM'],
+        'its 95 % interval': ['', f'{low:.0f} to {high:.0f} RPM'],
+        'exact threshold of the plant simulated': ['', '1594.38 RPM'],
+    }
+
+
+@pytest.mark.parametrize('name', ESTIMATORS)
+def test_the_motion_gives_the_threshold_of_the_plant_by_every_estimator(name):
+    values = json.loads(output(analyse, *BAGS, '--motion', '--estimator', name, '--json'))
+    low, high = values['omega_crit_interval_rpm']
+    assert low < values['truth_rpm'] < high
+    assert values['truth_rpm'] == pytest.approx(1594.38, abs=0.01)
+
+
+def test_the_fit_is_used_where_no_estimator_is_named():
+    found = [
+        json.loads(output(analyse, *BAGS, '--motion', *chosen, '--json'))
+        for chosen in ([], ['--estimator', 'sinusoid_fit'])
+    ]
+    assert found[0] == found[1]
+    # Those of the spectrum hang on the length of the record.
+    assert [run['period_s'] for run in found[0]['runs']] == pytest.approx([0.98589, 0.73553, 0.67893], abs=1e-5)
+
+
+def test_a_blind_analysis_takes_no_estimator():
+    error = CliRunner().invoke(analyse, [*BAGS, '--estimator', 'sinusoid_fit']).exception
+    assert isinstance(error, UsageError)
+    assert str(error) == '--estimator sinusoid_fit: a blind analysis takes the readings: give --motion too'
+
+
+def test_a_bag_says_what_is_in_it():
+    values = json.loads(output(bag, 'info', BAGS[0], '--json'))
+    assert values == {
+        'messages': 939,
+        'duration_s': pytest.approx(15.5, abs=0.2),
+        'complete': True,
+        'gaps': 0,
+        'lost_s': 0.0,
+        'first_stamp_s': pytest.approx(86400.0, abs=0.2),
+        'last_stamp_s': values['first_stamp_s'] + values['duration_s'],
+    }
+    assert output(bag, 'info', BAGS[0]).splitlines()[0].split() == ['messages', '939']
