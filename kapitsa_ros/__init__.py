@@ -1,6 +1,6 @@
 """Kapitsa's inverted pendulum on a jigsaw: a plant, its instruments, their analysis and their ROS 2 graph.
 
-`import kapitsa_ros as kr`; what is here is loaded when it is first used, and ROS when a graph is started.
+`import kapitsa_ros as kr`; each name is loaded when it is first used, and ROS when a graph is started.
 
 - A rod: `Plant`, `preset`.
 - What theory says of it: `theory`, `stability_map`; what it does: `simulate`.
@@ -9,7 +9,7 @@
 
 Speeds, lengths, angles and times are numbers in SI, texts with a unit (`'2500 rpm'`, `'9.75 in'`) or quantities of a
 library of units. A bare speed is in rad/s; `rpm(2500)` is 2500 RPM. Only `Rig.request_speed` takes RPM, as its dial
-does. Whatever a user can mend is raised as a `KapitsaError`.
+does. Errors that a user can correct are raised as a `KapitsaError`.
 """
 
 from __future__ import annotations

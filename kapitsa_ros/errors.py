@@ -11,7 +11,7 @@ OPTION = '{option}'
 
 
 class KapitsaError(Exception):
-    """Something its user can mend; the message is one line that says how.
+    """An error its user can correct; the message is one line that says how.
 
     Anything else that is raised is a defect of the package and is shown with its traceback.
 
@@ -40,11 +40,11 @@ class KapitsaError(Exception):
 
 
 class QuantityError(KapitsaError, ValueError):
-    """A value is no quantity of the dimension that is asked for; the message names it and shows one."""
+    """A value is no quantity of the required dimension; the message names it and shows one."""
 
 
 class OutputError(KapitsaError):
-    """A file cannot be written where it is asked for."""
+    """A file cannot be written to the given path."""
 
 
 class MissingPackageError(KapitsaError):

@@ -1,4 +1,4 @@
-"""What calls take where a plant, instruments, a protocol or a table is wanted: the thing itself, its name or a path."""
+"""Arguments of calls: a plant, instruments, a protocol or a table, given as an object, by name or by path."""
 
 from __future__ import annotations
 

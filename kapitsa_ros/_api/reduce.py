@@ -55,10 +55,10 @@ class Reduction:
         """What is wrong with the readings."""
         if self.eiv_discrepancy == 0.0:
             return ()
-        said = 'the readings lie farther from any line than their errors allow'
+        finding = 'the readings lie farther from any line than their errors allow'
         if self.eiv_discrepancy is None:
-            return (f'{said}: they contradict one another, and bound nothing',)
-        return (f'{said}: {100.0 * self.eiv_discrepancy:.2g} % of each period is added to its error',)
+            return (f'{finding}: they contradict one another, and bound nothing',)
+        return (f'{finding}: {100.0 * self.eiv_discrepancy:.2g} % of each period is added to its error',)
 
     def __repr__(self) -> str:
         return describe(

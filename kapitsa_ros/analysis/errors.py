@@ -4,7 +4,7 @@ from kapitsa_ros.errors import KapitsaError
 
 
 class AnalysisError(KapitsaError, ValueError):
-    """Readings from which the requested quantity cannot be had; the message says how to mend it."""
+    """Readings from which the requested quantity cannot be had; the message says how to correct it."""
 
 
 class TableError(AnalysisError):

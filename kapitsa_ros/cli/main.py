@@ -16,7 +16,7 @@ from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
 
 
 class _Commands(click.Group):
-    """Imports a command when it is asked for: theory should not wait for ROS."""
+    """Imports a command when it is run: theory should not wait for ROS."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return sorted(module.name for module in iter_modules(commands.__path__))

@@ -1,4 +1,4 @@
-"""What a whole rig is told, besides its plant and its instruments."""
+"""Parameters of a whole rig, besides those of its plant and its instruments."""
 
 from __future__ import annotations
 

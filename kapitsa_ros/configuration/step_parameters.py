@@ -24,9 +24,7 @@ class StepParameters(ParameterSet):
 
     step: float = quantity(0.1, 's', 0.001, 1.0, description='length of a communication step')
     sample_rate: float = quantity(1000.0, 'Hz', 10.0, 1e5, description='samples of the motion a second')
-    in_flight: int = quantity(
-        4, '', 1, 100, description='steps under way at once; operator and jigsaw are told the same'
-    )
+    in_flight: int = quantity(4, '', 1, 100, description='steps under way at once; the same for operator and jigsaw')
 
     @property
     def step_ns(self) -> int:

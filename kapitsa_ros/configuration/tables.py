@@ -71,10 +71,10 @@ def read_table(path: Path) -> Readings:
 def _check_header(path: Path, names: list[str]) -> None:
     missing = [name for name in _REQUIRED if name not in names]
     if missing:
-        mend = ' and separate columns by commas' if len(names) == 1 else ''
+        hint = ' and separate columns by commas' if len(names) == 1 else ''
         raise TableError(
             f'{path}: no column {", ".join(missing)} (found: {", ".join(names) or "none"}): '
-            f'name the columns in the first line{mend}'
+            f'name the columns in the first line{hint}'
         )
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:

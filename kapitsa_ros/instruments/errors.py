@@ -4,7 +4,7 @@ from kapitsa_ros.errors import KapitsaError
 
 
 class InstrumentError(KapitsaError, ValueError):
-    """An instrument cannot be used as requested; the message names the quantity and how to mend it."""
+    """An instrument cannot be used as requested; the message names the quantity and how to correct it."""
 
 
 class SettingsError(InstrumentError):

@@ -38,7 +38,7 @@ class StopwatchReading:
 class Stopwatch:
     """Starts a timing whenever the pendulum is let go after being held still, and gives one reading for each release.
 
-    The thumb gets ready at the first passage through upright and presses at the second, then again after the wanted
+    The thumb gets ready at the first passage through upright and presses at the second, then again after the given
     number of full swings: passages in one direction, none of them near the release.
 
     Parameters

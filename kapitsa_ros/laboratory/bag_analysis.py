@@ -63,5 +63,5 @@ def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -
 
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:
-    """Return what is to be said of a bag besides its readings."""
+    """Return the values of a bag besides its readings."""
     return {'bag': str(bag.path), 'samples': int(bag.motion.angle.size), 'gaps': bag.motion.gaps}

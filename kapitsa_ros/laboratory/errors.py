@@ -4,6 +4,6 @@ from kapitsa_ros.errors import FAILED, KapitsaError
 
 
 class ClusterError(KapitsaError):
-    """A cluster cannot be used; the message says how to mend it."""
+    """A cluster cannot be used; the message says how to correct it."""
 
     exit_status = FAILED

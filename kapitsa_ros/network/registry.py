@@ -54,7 +54,7 @@ _ALL = (*NODES, SESSION_MONITOR, CLIENT)
 
 ROLE_NAMES = tuple(role.name for role in RIG_ROLES)
 REQUIRED_NAMES = tuple(role.name for role in RIG_ROLES if not role.optional)
-"""Those for whom a node waits unless told otherwise."""
+"""Those a node waits for by default."""
 NODE_NAMES = tuple(role.name for role in NODES)
 KNOWN_NAMES = frozenset(role.name for role in _ALL)
 

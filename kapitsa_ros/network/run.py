@@ -1,4 +1,4 @@
-"""One run as the operator saw it: what was asked, what was read. The motion is not part of it."""
+"""One run as the operator saw it: commands and readings, without the motion."""
 
 from __future__ import annotations
 

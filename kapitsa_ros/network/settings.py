@@ -1,4 +1,4 @@
-"""The topic NODE/settings: JSON, latched; what a node was told, recorded with each run."""
+"""The topic NODE/settings: JSON, latched; the parameters of a node, recorded with each run."""
 
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class StepSynchronizer:
     leading
         Topics that carry every step of a run and its end.
     following
-        Topics whose writer may run ahead of the end of a run: what it said beyond the end is dropped.
+        Topics whose writer may run ahead of the end of a run: its messages beyond the end are dropped.
 
     """
 
@@ -78,7 +78,7 @@ class StepSynchronizer:
             raise SequenceError(
                 f'topics disagree: {", ".join(f"{topic} is at {head[1]}" for topic, head in heads.items())}'
             )
-        # Runs are told apart by their order, not by their number: bags may be played in any order.
+        # Runs are distinguished by their order, not by their number: bags may be played in any order.
         after = (run + 1, 0) if step_id.end else (run, step_id.step)
         for queue in self._following.values():
             while queue and (queue[0][0], queue[0][1].step) < after:

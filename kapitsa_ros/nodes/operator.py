@@ -1,6 +1,6 @@
 """The operator: one command a step, each made from the readings of `in_flight` steps before, or from a person's wishes.
 
-It carries out a protocol, run after run; with the protocol `manual` it binds what is asked for on `operator/speed` and
+It carries out a protocol, run after run; with the protocol `manual` it carries out the requests on `operator/speed` and
 `operator/release` to the next free step.
 """
 
@@ -58,7 +58,7 @@ class OperatorNode(StepNode):
         """Of the run under way; None: nobody was there yet, or no run is left."""
         self._run: ScriptedOperator | ManualOperator
         self._end: StepId | None = None
-        """Where the run under way was told to end."""
+        """Step at which the current run was commanded to end."""
 
     def advance(self) -> float:
         """Open the first run as soon as everyone is there; then answer readings."""
@@ -96,7 +96,7 @@ class OperatorNode(StepNode):
         return iter([partial(ScriptedOperator, protocol, speed, self._steps.step) for speed in protocol.speeds])
 
     def _heed(self, requests: Requests) -> Requests:
-        """Take requests from their topics; those that cannot be are counted, and said once in a while."""
+        """Take requests from their topics; refused ones are counted, and logged at intervals."""
 
         def taker(ask: Callable[[float], None]) -> Callable[[Float64], None]:
             def take(message: Float64) -> None:

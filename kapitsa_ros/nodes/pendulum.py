@@ -26,7 +26,7 @@ class PendulumNode(StepNode):
         # Kernels take a third of a second to load: better now, before others count on this node.
         Pendulum(Plant()).advance(SampledMotion(0.001, *np.zeros((3, 101))))
         super().__init__(PENDULUM)
-        # The stroke is the jigsaw's; all else of the plant is here.
+        # The stroke is the jigsaw's; the rest of the plant is declared here.
         self._plant = declare_set(self, Plant, *(item.name for item in describe(Plant) if item.name != 'amplitude'))
         self._pendulum = Pendulum(self._plant)
         self._joint_states = JointStatePublisher(self)

@@ -82,7 +82,7 @@ class PlayerNode(DataflowNode):
                 if topic.name in messages:
                     self.emit_raw(topic, messages[topic.name])
                 elif step_id.end or topic.name not in self._playing.topics:
-                    # The bag is older than the role: it was not there, so it said nothing.
+                    # The bag is older than the role: silence stands for its messages.
                     self.emit_silence(topic, step_id, stamp)
             self._under_way.append(step_id)
             self._show(step_id, stamp, messages)

@@ -10,7 +10,7 @@ class Command:
     """What the operator wants during one step."""
 
     speed: float
-    """Forcing speed wanted, rad/s."""
+    """Requested forcing speed, rad/s."""
     hold: float | None
     """Angle at which the pendulum is held, rad; None: it is let go, or stays free."""
     end: bool = False

@@ -4,7 +4,7 @@ from kapitsa_ros.errors import KapitsaError
 
 
 class ProtocolError(KapitsaError, ValueError):
-    """A protocol holds something no operator can do; the message names the entry and how to mend it."""
+    """A protocol holds something no operator can do; the message names the entry and how to correct it."""
 
 
 class RequestError(KapitsaError, ValueError):

@@ -1,4 +1,4 @@
-"""The operator at a person's beck and call: turns what is asked for into commands."""
+"""The manual operator: turns a person's requests into commands."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ LONGEST = 80_000.0
 class ManualOperator:
     """Commands of one run, one a step; it lasts until somebody ends it, or the day is over.
 
-    The shaft is at rest and the pendulum held until something is asked for. To let it go, the pendulum is caught, held
+    The shaft is at rest and the pendulum held until something is requested. To let it go, the pendulum is caught, held
     at the angle for half a second, and released.
 
     Parameters
     ----------
     requests
-        Where what is asked for is found.
+        Where the requests are found.
     release
         Angle at which the pendulum is held until the first request, rad.
     step
@@ -62,8 +62,8 @@ class ManualOperator:
         """Yield the angle at which the pendulum is held in each step, None where it is free."""
         held = math.inf
         while True:
-            asked = self._requests.take_release()
-            if asked is not None:
-                angle, held = asked, self._catch
+            requested = self._requests.take_release()
+            if requested is not None:
+                angle, held = requested, self._catch
             yield angle if held > 0 else None
             held -= 1

@@ -76,11 +76,11 @@ class Requests:
         self._angle = angle
 
     def take_speed(self) -> float | None:
-        """Return the speed asked for since the last call, if any."""
+        """Return the speed requested since the last call, if any."""
         speed, self._speed = self._speed, None
         return speed
 
     def take_release(self) -> float | None:
-        """Return the angle asked for since the last call, if any."""
+        """Return the angle requested since the last call, if any."""
         angle, self._angle = self._angle, None
         return angle

@@ -57,7 +57,7 @@ def simulate_batch(
     ParameterError
         A value is not finite or out of its range.
     PhysicsError
-        The promised accuracy cannot be kept, or impacts come too thick.
+        The promised accuracy cannot be kept, or impacts are too close together.
 
     """
     speeds, angles, phases = (
@@ -98,7 +98,7 @@ def _follow(  # noqa: PLR0917
         steps = stride * refinement
         advance_batch(plant.amplitude, speeds, starts, duration / steps, steps, constants, states, truncation)
         if np.any(truncation == TOO_MANY_EVENTS):
-            raise PhysicsError('impacts at a pivot come too thick to be told apart: reduce restitution')
+            raise PhysicsError('impacts at a pivot are too close together to be resolved: reduce restitution')
         if truncation.max() <= PROMISED:
             return states
     raise PhysicsError(f'a step leaves out {truncation.max():.1g} rad: a rod swings too wildly for 1e-8 rad')

@@ -4,7 +4,7 @@ from kapitsa_ros.errors import KapitsaError
 
 
 class PhysicsError(KapitsaError, ValueError):
-    """A question to which the physics has no answer; the message names the quantity and how to mend it."""
+    """A question to which the physics has no answer; the message names the quantity and how to correct it."""
 
 
 class ParameterError(PhysicsError):

@@ -22,7 +22,7 @@ _DEFAULTS = JigsawParameters()
 
 
 class Jigsaw:
-    """A shaft that runs up to the speed asked of it and drives the pivot through a crank.
+    """A shaft that runs up to the requested speed and drives the pivot through a crank.
 
     The speed is linear in time within a step, so the pivot's motion has kinks only where steps meet. The phase is kept
     as a whole number of 2⁻¹²⁸ turns, so it loses nothing however long the shaft runs.

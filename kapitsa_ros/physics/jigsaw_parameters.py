@@ -9,7 +9,7 @@ from kapitsa_ros.physics.errors import ParameterError
 from kapitsa_ros.schema import ParameterSet, quantity
 
 MAX_SPEED = 5000 * 2.0 * math.pi / 60
-"""rad/s: what a jigsaw does, 5000 strokes a minute, unless told otherwise."""
+"""rad/s: 5000 strokes a minute, the fastest by default."""
 
 
 @dataclass(frozen=True, kw_only=True)

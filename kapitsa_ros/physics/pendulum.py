@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Pendulum:
-    """A rod on a shaken pivot, held at upright until told otherwise.
+    """A rod on a shaken pivot, held at upright at first.
 
     θ″ = k (g + y″) sin θ − c θ′ − f sgn θ′ (report, eqs. 1, 17 and 19), with play and wear at the pivot where the
     plant has them.
@@ -122,7 +122,7 @@ class Pendulum:
         MotionError
             The samples lie too far apart for the motion between them, the pivot's or the rod's.
         PhysicsError
-            Impacts or reversals come too thick to be told apart.
+            Impacts or reversals are too close together to be resolved.
 
         """
         count = pivot.position.size
@@ -141,7 +141,9 @@ class Pendulum:
                 f'pivot samples {pivot.period:.3g} s apart are too coarse for its motion: sample it more often',
             )
         if outcome == sampled.TOO_MANY_EVENTS:
-            raise PhysicsError('impacts or reversals at the pivot come too thick to be told apart: reduce restitution')
+            raise PhysicsError(
+                'impacts or reversals at the pivot are too close together to be resolved: reduce restitution'
+            )
         if outcome == sampled.TOO_FAST:
             raise MotionError(
                 f'pivot samples {pivot.period:.3g} s apart are too coarse for so quick a rod: sample it more often',

@@ -92,7 +92,7 @@ class Release:
         ParameterError
             The duration holds no sample period.
         PhysicsError
-            The promised accuracy cannot be kept, or impacts come too thick.
+            The promised accuracy cannot be kept, or impacts are too close together.
 
         """
         count = whole_samples(duration, sample_rate)
@@ -132,7 +132,7 @@ class Release:
                     self.plant.amplitude, self.speed, leg.start, *pacing, constants, state, motion
                 )
                 if truncation == TOO_MANY_EVENTS:
-                    raise PhysicsError('impacts at the pivot come too thick to be told apart: reduce restitution')
+                    raise PhysicsError('impacts at the pivot are too close together to be resolved: reduce restitution')
                 worst = max(worst, truncation)
             if worst <= PROMISED:
                 return motion, state

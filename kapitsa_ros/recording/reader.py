@@ -125,11 +125,11 @@ class RunBag:
         """
         try:
             with Reader(self.path) as reader:
-                wanted = [
+                connections = [
                     connection for connection in reader.connections if connection.topic.removeprefix('/') in names
                 ]
                 # Without a connection rosbags would read them all.
-                for connection, stamp, data in reader.messages(wanted) if wanted else ():
+                for connection, stamp, data in reader.messages(connections) if connections else ():
                     yield connection.topic.removeprefix('/'), stamp, bytes(data)
         except Exception as error:  # rosbags raises whatever the libraries below it do
             raise BagError(f'{self.path} is damaged: {error}') from error

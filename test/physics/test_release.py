@@ -158,11 +158,11 @@ def test_too_fast_a_fall_is_refused():
 
 def test_impacts_too_thick_to_be_told_apart_are_refused():
     plant = Plant(clearance=1e-12, restitution=1.0)
-    with pytest.raises(PhysicsError, match='too thick'):
+    with pytest.raises(PhysicsError, match='too close together'):
         Release(plant=plant, speed=SPEED, angle=0.1).sampled(1.0)
-    with pytest.raises(PhysicsError, match='too thick'):
+    with pytest.raises(PhysicsError, match='too close together'):
         simulate_batch(plant, speed=SPEED, angle=0.1, duration=1.0)
-    with pytest.raises(PhysicsError, match='too thick'):
+    with pytest.raises(PhysicsError, match='too close together'):
         swing(plant, SPEED, 0.1, blocks=3)
 
 

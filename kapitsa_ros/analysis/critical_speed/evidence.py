@@ -114,18 +114,18 @@ def dial_sigma(strobe: StrobeSettings) -> float:
     return math.hypot(strobe.drift_limit / math.sqrt(3.0), 0.5 * strobe.dial_resolution / math.sqrt(12.0))
 
 
-def undo_alias(reading: float, asked: float, strobe: StrobeSettings) -> float:
-    """Undo a reading that the marks fooled, since the operator knows roughly what speed was asked.
+def undo_alias(reading: float, speed_asked: float, strobe: StrobeSettings) -> float:
+    """Undo an alias of the strobe, since the operator knows roughly the speed asked.
 
     The person stops at a flash rate of (p/q)·ω and halves; where that is not twice ω the reading is p/(2q) times the
     speed. A reading that fits no such ratio is left as it is.
     """
-    if abs(reading / asked - 1.0) <= _ALIAS:
+    if abs(reading / speed_asked - 1.0) <= _ALIAS:
         return reading
     ratios = [ratio / 2 for ratio in standing_ratios(0.5, 10.0, faintest(strobe)) if ratio != Fraction(2)]
-    ratio = min(ratios, key=lambda ratio: abs(math.log(reading / (float(ratio) * asked))))
+    ratio = min(ratios, key=lambda ratio: abs(math.log(reading / (float(ratio) * speed_asked))))
     speed = reading / float(ratio)
-    return speed if abs(speed / asked - 1.0) <= _ALIAS else reading
+    return speed if abs(speed / speed_asked - 1.0) <= _ALIAS else reading
 
 
 def _settings(run: Run, name: str, kind: type[_Kind]) -> _Kind:

@@ -16,7 +16,7 @@ _SMALLEST, _LARGEST = 1e-7, 0.3  # of a period; with more, it was not timed
 
 
 def improbable(chi_squared: float, freedom: int) -> bool:
-    """Tell whether χ² is too large for the errors stated; without degrees of freedom nothing can be told."""
+    """Tell whether χ² is too large for the errors stated; without degrees of freedom there is no answer."""
     return freedom > 0 and bool(chi_squared > chi2.isf(_IMPROBABLE, freedom))
 
 

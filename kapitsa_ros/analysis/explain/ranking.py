@@ -154,20 +154,20 @@ def _weighed(fit: Explanation, weight: float) -> Explanation:
 
 
 def _warnings(readings: Readings, ranked: Sequence[Explanation]) -> tuple[str, ...]:
-    said = []
+    notes = []
     if readings.period.size <= 3:
-        said.append(
+        notes.append(
             f'every explanation is tuned to {readings.period.size} points: a good fit is little evidence, '
             'and a constant tuned to them is not a measurement of it'
         )
     if not any(explanation.fits for explanation in ranked):
-        said.append('no single cause fits within the stated errors')
+        notes.append('no single cause fits within the stated errors')
     untimed = [explanation.name for explanation in ranked if not math.isfinite(explanation.rms_misfit)]
     if 'instruments' in untimed:
-        said.append(
+        notes.append(
             'by theory this rod does not swing at these speeds: check its options (lengths are in metres unless they '
             'carry a unit, as in 9.75in)'
         )
     elif untimed:
-        said.append(f'without a misfit, as its runs could not have been timed: {", ".join(untimed)}')
-    return tuple(said)
+        notes.append(f'without a misfit, as its runs could not have been timed: {", ".join(untimed)}')
+    return tuple(notes)

@@ -64,8 +64,8 @@ def best_separation(
     values = [verdict[cause.name].value or 0.0 for cause in causes]
     options = []
     for release in (None, SMALL):
-        said = [_periods(cause, plant, value, release) for cause, value in zip(causes, values, strict=True)]
-        gap = np.abs(said[0] - said[1])
+        periods = [_periods(cause, plant, value, release) for cause, value in zip(causes, values, strict=True)]
+        gap = np.abs(periods[0] - periods[1])
         if not np.isfinite(gap).any():
             continue
         index = int(np.nanargmax(gap))
@@ -74,7 +74,7 @@ def best_separation(
                 between=(first, second),
                 speed=float(_SPEEDS[index]),
                 release=release,
-                periods=(float(said[0][index]), float(said[1][index])),
+                periods=(float(periods[0][index]), float(periods[1][index])),
                 sigmas=float(gap[index]) / period_sigma,
             )
         )

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
-_APART = 2.0  # standard errors; closer values are not told apart
+_APART = 2.0  # standard errors; closer values are not distinguished
 _NAMES = click.Choice([cause.name for cause in CAUSES])
 
 

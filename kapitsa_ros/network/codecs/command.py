@@ -26,7 +26,7 @@ class CommandCodec(Codec[Command]):
     empty_body = bytes(16)
 
     def encode(self, stamp_ns: int, step_id: StepId, value: Command) -> bytes:
-        """Encode what is wanted; the end of a run is silent."""
+        """Encode a command; the end of a run is silence."""
         if value.end:
             return self.encode_silence(stamp_ns, StepId(step_id.run, step_id.step, end=True))
         names, position, velocity = [_SHAFT], [0.0], [value.speed]
@@ -36,7 +36,7 @@ class CommandCodec(Codec[Command]):
         return serialise(self.message_type, new_header(stamp_ns, step_id), names, *arrays)
 
     def decode(self, raw: bytes) -> Command:
-        """Decode what is wanted.
+        """Decode a command.
 
         Raises
         ------

@@ -52,7 +52,7 @@ def advance_cosine(
     -------
     float
         The largest last term of the series met, rad: the truncation error of one step; TOO_MANY_EVENTS where events
-        could not be told apart.
+        could not be resolved.
 
     """
     work = np.empty((WORK_ROWS, ORDER + 1))

@@ -68,7 +68,7 @@ def advance_interval(
     Returns
     -------
     bool
-        False where events are too close together to be told apart.
+        False where events are too close together to be resolved.
 
     """
     if state[MODE] != MOVING and state[MODE] != STUCK:

@@ -52,7 +52,7 @@ def advance_block(
     Returns
     -------
     int
-        DONE; TOO_COARSE, with nothing changed; TOO_MANY_EVENTS, where events could not be told apart; TOO_FAST,
+        DONE; TOO_COARSE, with nothing changed; TOO_MANY_EVENTS, where events could not be resolved; TOO_FAST,
         where the rod moves more between two samples than a series of this order holds.
 
     """

@@ -160,7 +160,7 @@ def _truth(plant: Plant) -> float | None:
 
 
 def _plants() -> dict[str, Plant]:
-    """Return the presets, and the rod as built on the bearing: its inertia is what no bearing mends."""
+    """Return the presets, and the rod as built on the bearing: no bearing changes its inertia."""
     kappa = load_preset('as_built_1997').inertia_factor
     plants = {preset.replace('_', ' '): load_preset(preset) for preset in ('ideal', 'bearing', 'as_built_1997')}
     return plants | {AS_BUILT_ON_BEARING: load_preset('bearing', {'inertia_factor': kappa})}

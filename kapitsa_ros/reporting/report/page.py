@@ -77,7 +77,7 @@ def _svg(figure: Figure) -> Markup:
         figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})
     drawing = file.getvalue()
     drawing = drawing[drawing.index('<svg') :].replace('<svg ', f'<svg role="img" aria-label="{title}" ', 1)
-    return Markup(drawing)  # noqa: S704 - drawn here
+    return Markup(drawing)  # noqa: S704 - our own drawing
 
 
 def _rpm(speed: float | None, digits: int = 1) -> str:
