@@ -50,7 +50,7 @@ class Theory:
     """By the averaged equation, rad/s (report, eq. 8)."""
     omega_crit_upper: float | None
     """Speed from which the rod is unstable again, rad/s; None where there is none."""
-    ladder: tuple[tuple[TheoryResult, ...], ...]
+    comparison: tuple[tuple[TheoryResult, ...], ...]
     """The theories compared for a swing of the given release, an entry a speed; empty where none was given."""
     warnings: tuple[str, ...]
     """Which speeds have no answer, and why."""
@@ -129,8 +129,8 @@ def theory(plant: AnyPlant = None, *, speed: AnyQuantities = (), release: AnyQua
     omega = to_si_array('speed', speed, 'rad/s')
     at = _at_one(rod, float(omega)) if omega.ndim == 0 else _at_many(rod, omega)
     angle = None if release is None else to_si('release', release, 'rad')
-    ladder = () if angle is None else tuple(tuple(physics.compare_theories(rod, one, angle)) for one in omega.flat)
-    return Theory(plant=rod, speed=omega, mathieu_q=physics.mathieu_q(rod), ladder=ladder, **criticals, **at)
+    comparison = () if angle is None else tuple(tuple(physics.compare_theories(rod, one, angle)) for one in omega.flat)
+    return Theory(plant=rod, speed=omega, mathieu_q=physics.mathieu_q(rod), comparison=comparison, **criticals, **at)
 
 
 def _at_one(plant: Plant, speed: float) -> dict[str, Any]:

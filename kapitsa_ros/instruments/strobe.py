@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.instruments.dial_search import SearchResult, raise_until_doubled, read_dial
-from kapitsa_ros.instruments.shaft_speed import SteadySpeedDetector
+from kapitsa_ros.instruments.steady_speed_detector import SteadySpeedDetector
 
 if TYPE_CHECKING:
     import numpy as np

@@ -15,7 +15,7 @@ from kapitsa_ros.network.registry import STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.network.run_builder import RunBuilder
 from kapitsa_ros.network.step_clock import StepClock
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.operator.scripted import ScriptedOperator
+from kapitsa_ros.operator.scripted_operator import ScriptedOperator
 from kapitsa_ros.physics.jigsaw import Jigsaw
 from kapitsa_ros.physics.pendulum import Pendulum
 

@@ -22,4 +22,4 @@ class Role:
     describes_run: bool = False
     """Whether its settings belong to a run: they are latched, recorded, and needed to analyse it."""
     optional: bool = False
-    """Whether a run is whole without it: nodes do not wait for it unless `expect` names it, and bags without it are read."""
+    """Whether runs go without it: only nodes whose `expect` names it wait for it, and bags without it are read."""

@@ -20,10 +20,10 @@ from kapitsa_ros.network.step_clock import StepClock
 from kapitsa_ros.network.step_id import StepId, ends_session
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.errors import ProtocolError, RequestError
-from kapitsa_ros.operator.manual import ManualOperator
+from kapitsa_ros.operator.manual_operator import ManualOperator
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import Requests
-from kapitsa_ros.operator.scripted import ScriptedOperator
+from kapitsa_ros.operator.scripted_operator import ScriptedOperator
 from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set

@@ -11,7 +11,7 @@ from kapitsa_ros.instruments.perfect_timing import swings_seen
 from kapitsa_ros.laboratory.campaign import perform_all
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
-from kapitsa_ros.operator.scripted import CATCH
+from kapitsa_ros.operator.scripted_operator import CATCH
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.units import RPM

@@ -1,4 +1,4 @@
-"""The rungs between the averaged equation and the nonlinear truth."""
+"""The theories between the averaged equation and the nonlinear truth."""
 
 import math
 from dataclasses import replace
@@ -53,7 +53,7 @@ def test_next_order_threshold_errs_with_the_fourth_power_of_the_stroke(amplitude
 
 
 def test_each_rung_is_nearer_at_a_small_swing():
-    errors = [abs(rung.error) for rung in theory.compare_theories(IDEAL, SPEED, 1e-3)]
+    errors = [abs(each.error) for each in theory.compare_theories(IDEAL, SPEED, 1e-3)]
     assert errors[0] > 100 * errors[1] > 1000 * errors[2] > 0
     assert errors[-1] == 0
 

@@ -14,7 +14,7 @@ from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA, dial_sigma
 from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
-from kapitsa_ros.operator.scripted import CATCH
+from kapitsa_ros.operator.scripted_operator import CATCH
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.units import RPM

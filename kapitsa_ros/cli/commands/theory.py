@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @click.command()
 @plant_options
 @click.option('--speed', 'speeds', type=SPEED, multiple=True, help='a forcing speed (several may be given)')
-@click.option('--release', type=ANGLE, help='also show the ladder of theories for a swing released at this θ')
+@click.option('--release', type=ANGLE, help='also compare the theories for a swing released at this θ')
 @json_option
 def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as_json: bool) -> None:
     """Say what theory predicts: critical speeds, and what the rod does at given ones."""
@@ -48,10 +48,10 @@ def _at(found: Theory) -> dict[str, Any]:
         'slow_exact_rpm': _rpm(float(found.slow)),
         'growth_per_s': float(found.growth),
     }
-    if found.ladder:
+    if found.comparison:
         answer['ladder'] = [
-            {'name': rung.name, 'source': rung.source, 'slow_rpm': _rpm(rung.frequency), 'error_rpm': _rpm(rung.error)}
-            for rung in found.ladder[0]
+            {'name': each.name, 'source': each.source, 'slow_rpm': _rpm(each.frequency), 'error_rpm': _rpm(each.error)}
+            for each in found.comparison[0]
         ]
     return answer
 
@@ -73,13 +73,13 @@ def _print(answer: dict[str, Any]) -> None:
         stable = 'yes' if row['stable'] else 'no'
         click.echo(f'{row["speed_rpm"]:10.2f}   {stable:6}  {slow[0]:>14}  {slow[1]:>15}  {row["growth_per_s"]:10.5f}')
     for row in answer['speeds']:
-        _print_ladder(row)
+        _print_comparison(row)
 
 
-def _print_ladder(row: dict[str, Any]) -> None:
+def _print_comparison(row: dict[str, Any]) -> None:
     if 'ladder' not in row:
         return
     click.echo(f'\nat {row["speed_rpm"]:10.2f} RPM     source             slow RPM    error RPM')
-    for rung in row['ladder']:
-        slow = '-' if rung['slow_rpm'] is None else f'{rung["slow_rpm"]:10.5f}  {rung["error_rpm"]:+11.5f}'
-        click.echo(f'{rung["name"]:20}  {rung["source"]:15}  {slow}')
+    for each in row['ladder']:
+        slow = '-' if each['slow_rpm'] is None else f'{each["slow_rpm"]:10.5f}  {each["error_rpm"]:+11.5f}'
+        click.echo(f'{each["name"]:20}  {each["source"]:15}  {slow}')

@@ -1,4 +1,4 @@
-"""The ladder of theories of the slow frequency, each rung against the full nonlinear truth."""
+"""The theories of the slow frequency, each compared with the full nonlinear one."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class TheoryResult:
 
 
 def compare_theories(plant: Plant, speed: float, release: float, phase: float = 0.0) -> list[TheoryResult]:
-    """Return the rungs in order for a frictionless rod let go at rest, the truth last.
+    """Return the theories in order of accuracy for a frictionless rod let go at rest, the full nonlinear one last.
 
     Raises
     ------

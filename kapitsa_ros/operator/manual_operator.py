@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.operator.command import Command
-from kapitsa_ros.operator.scripted import CATCH
+from kapitsa_ros.operator.scripted_operator import CATCH
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

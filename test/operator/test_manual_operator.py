@@ -6,7 +6,7 @@ import pytest
 
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.errors import RequestError
-from kapitsa_ros.operator.manual import ManualOperator
+from kapitsa_ros.operator.manual_operator import ManualOperator
 from kapitsa_ros.operator.requests import Requests
 
 

@@ -10,7 +10,7 @@ from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.operator.errors import ProtocolError
 from kapitsa_ros.operator.protocol import Protocol
-from kapitsa_ros.operator.scripted import ScriptedOperator
+from kapitsa_ros.operator.scripted_operator import ScriptedOperator
 from kapitsa_ros.units import RPM
 
 SPEED = 2240 * RPM
