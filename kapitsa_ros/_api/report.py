@@ -38,7 +38,7 @@ class Report:
         )
 
 
-def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Report:
+def report(bags: str | Path | Sequence[str | Path], output: str | Path, *, experiments: int | None = None) -> Report:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan.
 
     Parameters
@@ -47,6 +47,8 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Repor
         Folders of the runs; the readings of one that is given twice count twice, and `.warnings` says so.
     output
         The HTML file to write; its folder must be there.
+    experiments
+        Virtual ones on each preset, which say whether a bearing would have given the answer; 40 where not given.
 
     Returns
     -------
@@ -72,7 +74,8 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path) -> Repor
     except ImportError as error:
         raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
     paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
-    content = gather([RunBag(path).recorded for path in paths], as_readings('1997'))
+    trials = {} if experiments is None else {'experiments': experiments}
+    content = gather([RunBag(path).recorded for path in paths], as_readings('1997'), **trials)
     html = render(content)
     with replacing(page) as draft:
         draft.write_text(html, encoding='utf-8')

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.network.registry import ANALYSER, COMMAND, READINGS, RESULT
 from kapitsa_ros.network.run_builder import RunBuilder
@@ -41,6 +40,9 @@ class AnalyserNode(StepNode):
     def end_run(self, step: Step) -> None:
         """Say what the run came to; at the end of the session, what all runs came to together."""
         if ends_session(step.id):
+            # Not above: this loads SciPy, for which no run should have to wait.
+            from kapitsa_ros.analysis.experiment import reduce_runs  # noqa: PLC0415
+
             results = {'experiment': experiment_values(reduce_runs(self._runs))} if self._runs else {}
         else:
             run = self._builder.build(complete=True)

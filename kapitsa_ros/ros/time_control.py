@@ -1,4 +1,4 @@
-"""Time in a person's hands: pause, resume, step, reset and rate, on the node that owns time."""
+"""Services and parameters of simulated time: pause, resume, step, reset and rate, on the node that owns it."""
 
 from __future__ import annotations
 
@@ -42,10 +42,12 @@ class TimeControl:
         self._left: int | None = None
         """Steps until time stands still; None: it runs."""
         self._next_step = next_step
-        self._reset = reset
+        self._request_reset = reset
         node.add_post_set_parameters_callback(self._take_parameters)
-        for name in ('pause', 'resume', 'step', 'reset'):
-            node.create_service(Trigger, f'~/{name}', getattr(self, f'_serve_{name}'))
+        node.create_service(Trigger, '~/pause', self._pause)
+        node.create_service(Trigger, '~/resume', self._resume)
+        node.create_service(Trigger, '~/step', self._step)
+        node.create_service(Trigger, '~/reset', self._end_run)
 
     @property
     def stands_still(self) -> bool:
@@ -65,20 +67,20 @@ class TimeControl:
             elif parameter.name == 'steps':
                 self._steps = parameter.value
 
-    def _serve_pause(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+    def _pause(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         if self.stands_still:
             return _refused(answer, f'paused already, before {self._next_step()}')
         self._left = 0
         return _done(answer, self._next_step())
 
-    def _serve_resume(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+    def _resume(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         if self._left is None:
             return _refused(answer, 'time runs: there is nothing to resume')
         self._left = None
         self.pace.restart()
         return _done(answer, self._next_step())
 
-    def _serve_step(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+    def _step(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         if not self.stands_still:
             return _refused(answer, 'time runs: pause it, then step')
         self._left = self._steps
@@ -86,9 +88,9 @@ class TimeControl:
         step_id = self._next_step()
         return _done(answer, StepId(step_id.run, step_id.step + self._steps))
 
-    def _serve_reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+    def _end_run(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         if self._next_step().step:
-            self._reset()
+            self._request_reset()
         return _done(answer, self._next_step())
 
 

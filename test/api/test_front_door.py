@@ -228,4 +228,8 @@ def test_a_rod_is_described_as_a_person_says_it() -> None:
 def test_a_bag_that_counts_twice_is_told_of(tmp_path: Path) -> None:
     pytest.importorskip('matplotlib')
     bags = sorted((CHECKOUT / 'bags').glob('run_*'))
-    assert kr.report([*bags, str(bags[0])], tmp_path / 'r.html').warnings[0].startswith(f'{bags[0].name} is given more')
+    assert (
+        kr.report([*bags, str(bags[0])], tmp_path / 'r.html', experiments=1)
+        .warnings[0]
+        .startswith(f'{bags[0].name} is given more')
+    )

@@ -7,6 +7,7 @@ from click.testing import CliRunner
 from kapitsa_ros.cli.commands.figures import figures
 from kapitsa_ros.cli.commands.simulate import simulate
 from kapitsa_ros.cli.commands.theory import theory
+from kapitsa_ros.errors import OutputError
 from kapitsa_ros.physics.errors import ParameterError
 from kapitsa_ros.rig.errors import UsageError
 
@@ -106,7 +107,7 @@ def test_motion_is_written_with_all_its_digits(tmp_path, suffix):
 @pytest.mark.parametrize(
     ('arguments', 'error'),
     [
-        (['--output', 'motion.txt'], UsageError),
+        (['--output', 'motion.txt'], OutputError),
         (['--sample-rate', '0'], ParameterError),
         (['--duration', 'nan'], ParameterError),
         (['--release', '2'], ParameterError),

@@ -12,12 +12,12 @@ from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.cli.commands.report import report
 from kapitsa_ros.configuration.tables import load_table
+from kapitsa_ros.errors import OutputError
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.reporting.report import gather, render
 from kapitsa_ros.resources import resource_path
-from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM
 
 
@@ -114,7 +114,7 @@ def test_swing_begins_where_it_was_let_go(runs):
 def test_folder_that_is_not_there_is_refused_before_the_work(tmp_path):
     bag = str(resource_path('bags', 'run_01_2240rpm'))
     result = CliRunner().invoke(report, [bag, '--output', str(tmp_path / 'nowhere' / 'r.html')])
-    assert isinstance(result.exception, UsageError)
+    assert isinstance(result.exception, OutputError)
     assert 'no directory' in str(result.exception)
     assert not list(tmp_path.iterdir())
 

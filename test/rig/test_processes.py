@@ -227,7 +227,8 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
-@pytest.mark.parametrize('role', ROLE_NAMES)
+# The owner of time, an instrument, and the one that writes the bag: a node group treats all its nodes alike.
+@pytest.mark.parametrize('role', ['jigsaw', 'stopwatch', 'recorder'])
 def test_a_node_that_is_killed_ends_the_experiment(
     role: str, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
 ) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import OptimizeResult, brentq, least_squares, minimize_scalar
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from kapitsa_ros.analysis.critical_speed.excess_scatter import excess_scatter, improbable, rise_95
 from kapitsa_ros.analysis.table import require_two_speeds
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.analysis.table import Readings
 
-RISE_95 = float(chi2.ppf(0.95, 1))
+RISE_95 = float(2.0 * gammaincinv(0.5, 0.95))
 """By how much χ² rises from its minimum to the ends of a 95 % interval of one parameter (Wilks)."""
 
 _FLOOR = 1e-6  # relative error below which no reading is trusted

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from scipy.optimize import brentq
-from scipy.stats import chi2, t
+from scipy.special import chdtri, stdtrit  # importing scipy.stats takes a second
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,7 +17,7 @@ _SMALLEST, _LARGEST = 1e-7, 0.3  # of a period; with more, it was not timed
 
 def improbable(chi_squared: float, freedom: int) -> bool:
     """Tell whether χ² is too large for the errors stated; without degrees of freedom there is no answer."""
-    return freedom > 0 and bool(chi_squared > chi2.isf(_IMPROBABLE, freedom))
+    return freedom > 0 and bool(chi_squared > chdtri(freedom, _IMPROBABLE))
 
 
 def excess_scatter(chi_squared: Callable[[float], float], freedom: int) -> float | None:
@@ -52,4 +52,4 @@ def excess_scatter(chi_squared: Callable[[float], float], freedom: int) -> float
 
 def rise_95(freedom: int) -> float:
     """Return by how much χ² rises to the ends of a 95 % interval when the errors were judged by the scatter itself."""
-    return float(t.ppf(0.975, freedom)) ** 2
+    return float(stdtrit(freedom, 0.975)) ** 2

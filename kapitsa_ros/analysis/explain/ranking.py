@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.explain.causes import CAUSES
@@ -111,7 +111,7 @@ def _fit(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
     def excess(value: float) -> float:
         return chi_squared(value) - lowest - RISE_95
 
-    fits = bool(lowest <= chi2.isf(_REJECTED, max(readings.period.size - cause.tuned, 1)))
+    fits = bool(lowest <= chdtri(max(readings.period.size - cause.tuned, 1), _REJECTED))
     tells = fits and bool(cause.parameter)
     bounded = tells and not cause.discrete
     seen = misfit(best)

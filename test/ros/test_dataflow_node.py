@@ -1,0 +1,134 @@
+"""A node of the dataflow network, in this process, beside others that the test makes."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import rclpy
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
+
+from kapitsa_ros.network.registry import PIVOT, STROBE, STROBE_READING
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.physics.sampled_motion import SampledMotion
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.dataflow_node import DataflowNode
+from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.step_node import StepNode
+
+pytestmark = pytest.mark.xdist_group('processes')
+
+MANY = 6000
+"""More messages than the writer's history of 5000 holds."""
+READER = f"""
+import sys
+import rclpy
+from rclpy.node import Node
+from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.registry import STROBE_READING
+from kapitsa_ros.ros.qos import STREAM, message_class
+rclpy.init(domain_id=int(sys.argv[1]))
+node, steps = Node('stopped_reader'), []
+kind, take = message_class(STROBE_READING.type), lambda raw: steps.append(read_step_id(raw).step)
+node.create_subscription(kind, STROBE_READING.name, take, STREAM, raw=True)
+print('listens', flush=True)
+while len(steps) < {MANY}:
+    rclpy.spin_once(node)
+print(steps == list(range({MANY})), flush=True)
+"""
+
+
+@pytest.fixture
+def ros(domain: int) -> Iterator[int]:
+    """The default context, in which nodes of the rig are made."""
+    with on_loopback():
+        rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        yield domain
+        rclpy.try_shutdown()
+
+
+def test_a_full_writer_waits_names_the_reader_and_loses_nothing(ros: int, capfd: pytest.CaptureFixture[str]) -> None:
+    reader = subprocess.Popen([sys.executable, '-c', READER, str(ros)], stdout=subprocess.PIPE, text=True)
+    assert reader.stdout is not None
+    assert reader.stdout.readline() == 'listens\n'
+    node = DataflowNode(STROBE)
+    try:
+        while [end.node_name for end in node.get_subscriptions_info_by_topic(STROBE_READING.name)] != [
+            'stopped_reader'
+        ]:
+            time.sleep(0.01)  # discovery takes its own time, and tells nobody
+        reader.send_signal(signal.SIGSTOP)
+        os.waitpid(reader.pid, os.WUNTRACED)
+        sent = threading.Event()
+
+        def emit_all() -> None:
+            for step in range(MANY):
+                node.emit_silence(STROBE_READING, StepId(1, step), step)
+            sent.set()
+
+        threading.Thread(target=emit_all, daemon=True).start()
+        log = ''
+        while 'is full' not in log:
+            time.sleep(0.01)  # the writer's thread waits, and says so on stderr only
+            log += capfd.readouterr().err
+        assert 'strobe/reading is full: waiting for a reader that has stopped (stopped_reader)' in log
+        assert not sent.is_set()
+        reader.send_signal(signal.SIGCONT)
+        assert reader.stdout.readline() == 'True\n'
+        assert sent.wait(60.0)
+        assert reader.wait(60.0) == 0
+    finally:
+        reader.kill()
+        reader.wait()
+        reader.stdout.close()
+        node.destroy_node()
+
+
+class Counting(StepNode):
+    """Keeps the steps it is given."""
+
+    def __init__(self) -> None:
+        super().__init__(STROBE)
+        self.steps, self.ended = [], []
+
+    def work(self, step) -> None:
+        self.steps.append((step.id, step[PIVOT].position[-1]))
+
+    def end_run(self, step) -> None:
+        self.ended.append(step.id)
+
+
+def pivot_of(number: int) -> SampledMotion:
+    return SampledMotion(1e-3, np.full(3, float(number)), np.zeros(3), np.zeros(3))
+
+
+def test_steps_are_done_in_order_and_what_is_no_step_is_refused(ros: int, capfd: pytest.CaptureFixture[str]) -> None:  # noqa: ARG001
+    node, jigsaw = Counting(), Node('jigsaw')
+    publisher = jigsaw.create_publisher(message_class(PIVOT.type), PIVOT.name, STREAM)
+    executor = SingleThreadedExecutor()
+    executor.add_node(node)
+    try:
+        while not publisher.get_subscription_count():
+            executor.spin_once(0.01)
+        messages = [PIVOT.encode(step, StepId(1, step), pivot_of(step)) for step in range(3)]
+        end = PIVOT.codec.encode_silence(3, StepId(1, 3, end=True))
+        for raw in (messages[0], messages[1], messages[1], b'\x00\x01\x00\x00 no step', messages[2], end):
+            publisher.publish(raw)
+        while not node.ended:
+            executor.spin_once(0.1)
+            node.advance()
+        assert node.steps == [(StepId(1, step), float(step)) for step in range(3)]
+        assert node.ended == [StepId(1, 3, end=True)]
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        jigsaw.destroy_node()
+    log = capfd.readouterr().err
+    assert 'refused: a step of jigsaw/pivot that was there before (1 so far)' in log

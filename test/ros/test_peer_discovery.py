@@ -1,0 +1,91 @@
+"""Who has to be there before the first step, in a graph that the test makes up."""
+
+import itertools
+from types import SimpleNamespace
+
+import pytest
+
+from kapitsa_ros.network.registry import PIVOT, REQUIRED_NAMES, STROBE, STROBE_READING, readers_of
+from kapitsa_ros.ros import peer_discovery
+from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.peer_discovery import PATIENCE, PeerDiscovery
+
+
+class Node:
+    """Sees the graph that it is given; its clock is turned by the test."""
+
+    def __init__(self) -> None:
+        self.readers, self.writers, self.lines, self.now = {}, {}, [], 0.0
+        self.context = SimpleNamespace(get_domain_id=lambda: 42)
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def get_subscriptions_info_by_topic(self, topic: str):
+        return [SimpleNamespace(node_name=name) for name in self.readers.get(topic, ())]
+
+    def get_publishers_info_by_topic(self, topic: str):
+        return [SimpleNamespace(node_name=name) for name in self.writers.get(topic, ())]
+
+    def get_logger(self):
+        return SimpleNamespace(info=self.lines.append)
+
+
+@pytest.fixture
+def node(monkeypatch: pytest.MonkeyPatch) -> Node:
+    node = Node()
+    monkeypatch.setattr(peer_discovery, 'time', node)
+    return node
+
+
+@pytest.fixture
+def peers(node: Node) -> PeerDiscovery:
+    return PeerDiscovery(node, STROBE.writes, STROBE.reads, frozenset(REQUIRED_NAMES))
+
+
+def complete(node: Node) -> None:
+    node.writers = {PIVOT.name: ['jigsaw'], STROBE_READING.name: ['strobe']}
+    node.readers = {STROBE_READING.name: [*readers_of(STROBE_READING), 'a_stranger']}
+
+
+def test_the_first_step_waits_for_every_expected_reader_and_writer(node: Node, peers: PeerDiscovery) -> None:
+    assert not peers.ready()
+    complete(node)
+    del node.writers[PIVOT.name]
+    assert not peers.ready()
+    complete(node)
+    for name in ('operator', 'analyser', 'recorder'):
+        node.readers[STROBE_READING.name].remove(name)
+        assert not peers.ready(), name
+        node.readers[STROBE_READING.name].append(name)
+    assert peers.ready()
+    node.readers.clear()  # who leaves later does not stop the others
+    assert peers.ready()
+
+
+def test_readers_that_are_not_expected_are_not_waited_for(node: Node) -> None:
+    peers = PeerDiscovery(node, STROBE.writes, STROBE.reads, frozenset({'jigsaw', 'operator'}))
+    node.writers = {PIVOT.name: ['jigsaw']}
+    node.readers = {STROBE_READING.name: ['operator']}
+    assert peers.ready()
+
+
+def test_who_is_missing_is_said_at_growing_intervals(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    node.readers[STROBE_READING.name].remove('analyser')
+    said = []
+    for node.now in range(int(20 * PATIENCE)):
+        peers.ready()
+        if len(node.lines) > len(said):
+            said.append(node.now)
+    assert node.lines[0] == 'waiting for analyser in domain 42: start with `kapitsa node NAME`'
+    intervals = [after - before for before, after in zip([0, *said], said, strict=False)]
+    assert intervals[0] == pytest.approx(PATIENCE, abs=1.5)
+    assert all(after == pytest.approx(2 * before, abs=2.0) for before, after in itertools.pairwise(intervals))
+
+
+def test_a_second_writer_of_a_topic_is_another_rig(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    node.writers[PIVOT.name].append('jigsaw')
+    with pytest.raises(NodeError, match='2 nodes write jigsaw/pivot in domain 42: a rig is there already'):
+        peers.ready()
