@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 import re
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
+INCH = 0.0254
+"""m."""
 
 _WRITTEN = re.compile(
     r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>\S.*?)?\s*',
     re.IGNORECASE,
 )
-_INCH = Fraction(254, 10_000)
+_INCH = Fraction(254, 10_000)  # exact: 9.75in is the double next to 0.24765 m
 _TURN = 2 * math.pi
 _NAMES: dict[str, tuple[tuple[float | Fraction, str], ...]] = {
     'm': (
@@ -58,6 +63,16 @@ _FOLDED = {
     unit: {name.lower(): factor for name, factor in names.items() if len(name) > 2 or name == 'Hz'}
     for unit, names in _EXACT.items()
 }
+
+
+def in_rpm(speed: float | None) -> float | None:
+    """Return a speed in rad/s as revolutions a minute; None where there is none, or nan."""
+    return None if speed is None or math.isnan(speed) else speed / RPM
+
+
+def interval_text(interval: tuple[float | None, float | None], end_text: Callable[[float], str]) -> str:
+    """Return both ends of an interval; one that is None is unbounded."""
+    return ' to '.join('unbounded' if end is None else end_text(end) for end in interval)
 
 
 def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fraction(1)) -> float:

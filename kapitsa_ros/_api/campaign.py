@@ -12,7 +12,7 @@ from kapitsa_ros._api.inputs import as_instruments, as_plant, as_protocol
 from kapitsa_ros._api.result import describe, figures, speed_text
 from kapitsa_ros.analysis.critical_speed import true_threshold
 from kapitsa_ros.data_frame import data_frame
-from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
+from kapitsa_ros.laboratory.campaign import Cores, efficiency, perform_all, summarise
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.units import RPM
@@ -44,6 +44,10 @@ class CampaignResult:
     truth: float
     """Exact threshold of the plant."""
     summary: Campaign
+    wall: float
+    """s that the experiments took."""
+    efficiency: float
+    """Seconds of computing in the experiments over those that the workers had."""
 
     def __repr__(self) -> str:
         found = self.summary
@@ -125,13 +129,16 @@ def campaign(
     workers = DaskCluster(scheduler) if scheduler else Cores()
     begin = time.perf_counter()
     outcomes = list(progress(perform_all(simulated, experiments, workers)))
+    wall = time.perf_counter() - begin
     return CampaignResult(
         seed=np.array([outcome.seed for outcome in outcomes]),
         omega_crit=np.array([outcome.omega_crit for outcome in outcomes], dtype=np.float64),
         low=_ends([outcome.interval[0] for outcome in outcomes], -np.inf),
         high=_ends([outcome.interval[1] for outcome in outcomes], np.inf),
         truth=truth,
-        summary=summarise(outcomes, truth, time.perf_counter() - begin, workers.count),
+        summary=summarise(outcomes, truth),
+        wall=wall,
+        efficiency=efficiency(outcomes, wall, workers.count),
     )
 
 

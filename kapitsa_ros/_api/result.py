@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from kapitsa_ros import units
 from kapitsa_ros.errors import MissingPackageError
 from kapitsa_ros.units import RPM
 
@@ -37,7 +38,7 @@ def interval_text(interval: tuple[float | None, float | None] | None) -> str:
     """Return the ends of an interval of speeds."""
     if interval is None:
         return 'none'
-    return ' to '.join('unbounded' if end is None else speed_text(end) for end in interval)
+    return units.interval_text(interval, speed_text)
 
 
 def plant_text(plant: Plant) -> str:

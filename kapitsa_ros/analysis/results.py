@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import in_rpm
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.experiment import Experiment
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def run_values(run: Run) -> dict[str, Any]:
     """Return what the readings of one run say."""
     return {
-        'speed_reading_rpm': _rpm(run.speed_reading),
+        'speed_reading_rpm': in_rpm(run.speed_reading),
         'period_s': run.period,
         'slow_rpm': None if run.period is None else 60.0 / run.period,
         'fell': run.fell,
@@ -25,16 +25,12 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
     """Return what the runs say together."""
     interval = experiment.interval
     return {
-        'omega_crit_rpm': _rpm(experiment.omega_crit),
-        'omega_crit_interval_rpm': None if interval is None else [_rpm(end) for end in interval],
+        'omega_crit_rpm': in_rpm(experiment.omega_crit),
+        'omega_crit_interval_rpm': None if interval is None else [in_rpm(end) for end in interval],
         'discrepancy_percent': None if experiment.discrepancy is None else 100.0 * experiment.discrepancy,
-        'inverse_rpm': _rpm(experiment.inverse_ols),
-        'ols_rpm': _rpm(experiment.ols),
-        'predicted_rpm': experiment.predicted / RPM,
+        'inverse_rpm': in_rpm(experiment.inverse_ols),
+        'ols_rpm': in_rpm(experiment.ols),
+        'predicted_rpm': in_rpm(experiment.predicted),
         'error_percent': experiment.error_percent,
-        'truth_rpm': _rpm(experiment.truth),
+        'truth_rpm': in_rpm(experiment.truth),
     }
-
-
-def _rpm(speed: float | None) -> float | None:
-    return None if speed is None else speed / RPM

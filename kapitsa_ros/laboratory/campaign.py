@@ -61,10 +61,6 @@ class Campaign:
     width: float
     """Median width of the intervals bounded on both sides."""
     unbounded: int
-    wall: float
-    """s."""
-    efficiency: float
-    """Seconds of computing in the experiments over those the processes had."""
 
 
 def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
@@ -103,9 +99,9 @@ class Workers(Protocol):
 
 
 class Cores:
-    """All cores of this machine, a process each."""
+    """All cores that this process may use, a process each."""
 
-    count = os.cpu_count() or 1
+    count = len(os.sched_getaffinity(0))
 
     def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
         """Apply a function to many seeds; outcomes come in the order of the seeds."""
@@ -135,7 +131,12 @@ def perform_all(experiment: SimulatedExperiment, experiments: int, workers: Work
     yield from (workers or Cores()).map(partial(perform, experiment), range(1, experiments + 1))
 
 
-def summarise(outcomes: Sequence[Outcome], truth: float, wall: float, workers: int) -> Campaign:
+def efficiency(outcomes: Sequence[Outcome], wall: float, workers: int) -> float:
+    """Return the seconds of computing in the experiments over those that the workers had in `wall` seconds."""
+    return sum(outcome.seconds for outcome in outcomes) / (wall * workers)
+
+
+def summarise(outcomes: Sequence[Outcome], truth: float) -> Campaign:
     """Sum up outcomes against the true critical speed, rad/s."""
     given = [outcome for outcome in outcomes if outcome.omega_crit is not None]
     speeds = np.array([outcome.omega_crit for outcome in given], dtype=np.float64)
@@ -150,8 +151,6 @@ def summarise(outcomes: Sequence[Outcome], truth: float, wall: float, workers: i
         coverage=sum(outcome.covers(truth) for outcome in given) / len(given) if given else math.nan,
         width=float(np.median(widths)) if widths else math.nan,
         unbounded=len(given) - len(widths),
-        wall=wall,
-        efficiency=sum(outcome.seconds for outcome in outcomes) / (wall * workers),
     )
 
 

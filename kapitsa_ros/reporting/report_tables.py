@@ -10,12 +10,10 @@ from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import INCH, RPM, interval_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-INCH = 0.0254
 
 
 def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
@@ -64,8 +62,8 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
     ours = None if values['inverse_rpm'] is None else 100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1)
     table.add_row('error', f'{error:.1f} %', _number(ours, '.1f', ' %'))
     table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
-    low, high = values['omega_crit_interval_rpm'] or (None, None)
-    table.add_row('its 95 % interval', '', f'{_end(low)} to {_end(high)} RPM')
+    interval = interval_text(values['omega_crit_interval_rpm'] or (None, None), '{:.0f}'.format)
+    table.add_row('its 95 % interval', '', f'{interval} RPM')
     if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
         table.add_row(
             'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
@@ -79,10 +77,6 @@ def _table(title: str, *columns: str) -> Table:
     for column in columns:
         table.add_column(column, justify='right' if column else 'left')
     return table
-
-
-def _end(rpm: float | None) -> str:
-    return 'unbounded' if rpm is None else f'{rpm:.0f}'
 
 
 def _number(value: float | None, form: str, unit: str = '') -> str:

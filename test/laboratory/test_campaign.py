@@ -7,7 +7,7 @@ from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.laboratory.campaign import Outcome, perform, perform_all, summarise
+from kapitsa_ros.laboratory.campaign import Outcome, efficiency, perform, perform_all, summarise
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.operator.protocol import Protocol
@@ -102,7 +102,7 @@ def test_experiment_without_a_timing_is_failed_and_not_wrong():
     below = experiment(protocol=Protocol(speeds=(1000 * RPM,)))
     outcome = perform(below, 1)
     assert outcome.omega_crit is None
-    summary = summarise([outcome], TRUTH, 1.0, 1)
+    summary = summarise([outcome], TRUTH)
     assert (summary.experiments, summary.failed) == (1, 1)
     assert np.isnan(summary.coverage)
 
@@ -111,11 +111,12 @@ def test_summary_counts_truth_width_and_open_ends():
     def outcome(low, high):
         return Outcome(seed=0, omega_crit=1.0, interval=(low, high), ols=None, inverse_ols=None, seconds=0.5)
 
-    summary = summarise([outcome(0.5, 2.0), outcome(1.5, 2.5), outcome(None, 2.0), outcome(None, 0.5)], 1.0, 1.0, 2)
+    outcomes = [outcome(0.5, 2.0), outcome(1.5, 2.5), outcome(None, 2.0), outcome(None, 0.5)]
+    summary = summarise(outcomes, 1.0)
     assert summary.coverage == 0.5
     assert summary.width == 1.25
     assert summary.unbounded == 2
-    assert summary.efficiency == 1.0
+    assert efficiency(outcomes, 1.0, 2) == 1.0
 
 
 def test_no_experiments_are_refused():
@@ -125,7 +126,7 @@ def test_no_experiments_are_refused():
 
 def test_few_experiments_scatter_about_the_truth():
     outcomes = list(perform_all(experiment(), 24))
-    summary = summarise(outcomes, TRUTH, 1.0, 2)
+    summary = summarise(outcomes, TRUTH)
     assert summary.failed == summary.unbounded == 0
     assert summary.coverage >= 20 / 24  # 95 % of 24; fewer come once in 150 such lots
     errors = np.array([outcome.omega_crit / TRUTH - 1 for outcome in outcomes])
@@ -135,7 +136,7 @@ def test_few_experiments_scatter_about_the_truth():
 
 @pytest.mark.slow
 def test_thousand_intervals_hold_the_truth_as_often_as_they_say():
-    summary = summarise(list(perform_all(experiment(), 1000)), TRUTH, 1.0, 2)
+    summary = summarise(list(perform_all(experiment(), 1000)), TRUTH)
     assert 0.93 <= summary.coverage <= 0.97
     assert summary.failed == 0
 

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 RISE_95 = float(2.0 * gammaincinv(0.5, 0.95))
 """By how much χ² rises from its minimum to the ends of a 95 % interval of one parameter (Wilks)."""
 
-_FLOOR = 1e-6  # relative error below which no reading is trusted
+FLOOR = 1e-6
+"""Relative error below which no reading of a table is trusted."""
 _FARTHEST = 1e4  # of the lowest speed squared: so far down a line's squared critical speed makes all periods equal
 
 
@@ -99,8 +100,8 @@ class _Profile:
         self._readings = readings
         self.edge = float(readings.forcing.min() ** 2)
         """Lowest speed squared: the critical one is anything below."""
-        self._forcing_sigma = np.hypot(readings.forcing_sigma, _FLOOR * readings.forcing)
-        self._period_sigma = np.hypot(readings.period_sigma, _FLOOR * readings.period)
+        self._forcing_sigma = np.hypot(readings.forcing_sigma, FLOOR * readings.forcing)
+        self._period_sigma = np.hypot(readings.period_sigma, FLOOR * readings.period)
 
     def _unit(self, square: float) -> float:
         data = self._readings

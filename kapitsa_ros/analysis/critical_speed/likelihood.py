@@ -10,6 +10,7 @@ from scipy.special import exprel, log_ndtr
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.averaged import period_steepness
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
@@ -21,7 +22,8 @@ if TYPE_CHECKING:
 DAMPING_SIGMA = 0.5
 """1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
 
-_FLOOR = 1e-5  # relative error below which no reading is trusted
+FLOOR = 1e-5
+"""Relative error below which no reading is trusted."""
 _NO_SWING = 1e-3  # rad/s, stands for no slow frequency at all
 
 
@@ -72,8 +74,8 @@ class Likelihood:
         plant = self.plant(threshold, amplitude, damping)
         small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
         slow = small * (1.0 - self._slowing * self._wane(damping))
-        steepness = (plant.k * plant.amplitude) ** 2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
-        floor = _FLOOR**2 + self.discrepancy**2
+        steepness = period_steepness(plant, timed.forcing, timed.slow)
+        floor = FLOOR**2 + self.discrepancy**2
         sigma = timed.period * np.sqrt(
             (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + floor
         )
@@ -102,7 +104,7 @@ class Likelihood:
 
 
 def _one_sided_residual(margin: float, bound: Bound) -> float:
-    return math.sqrt(-2.0 * float(log_ndtr(margin / max(bound.sigma, _FLOOR * bound.speed))))
+    return math.sqrt(-2.0 * float(log_ndtr(margin / max(bound.sigma, FLOOR * bound.speed))))
 
 
 def _frequency(plant: Plant, speed: float) -> float:

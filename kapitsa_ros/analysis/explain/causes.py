@@ -44,6 +44,8 @@ class Cause:
     """Number of parameters."""
     least: float | None = None
     """Value below which there is none by its nature."""
+    is_release: bool = False
+    """Whether the parameter is the angle of the release, which a further run could choose."""
 
 
 def small_swing(plant: Plant, speed: float) -> float:
@@ -115,6 +117,7 @@ CAUSES = (
         periods=lambda plant, speeds, value: np.array([_wide_swing(plant, float(speed), value) for speed in speeds]),
         values=_over(0.01, 1.5, 40),
         least=0.0,
+        is_release=True,
     ),
     Cause(name='amplitude', parameter='λ, m', periods=_of_plant('amplitude'), values=_strokes),
     Cause(

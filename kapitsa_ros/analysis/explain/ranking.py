@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import chdtri
 
-from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
+from kapitsa_ros.analysis.critical_speed.errors_in_variables import FLOOR, RISE_95
 from kapitsa_ros.analysis.explain.causes import CAUSES
 from kapitsa_ros.analysis.table import require_two_speeds
+from kapitsa_ros.physics.theory.averaged import period_steepness
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,7 +28,6 @@ SUPPORT = 2.0
 """Explanations within this of the best AIC have substantial support (Burnham & Anderson, Model Selection, 2.6)."""
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
-_FLOOR = 1e-6  # relative error below which no period is trusted
 _MISSING = 1e15  # χ² of a run that could not have been timed
 
 
@@ -129,8 +129,8 @@ def _fit(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
 
 def _effective_sigma(readings: Readings, plant: Plant) -> NDArray[np.float64]:
     """Add to the error of each period what the error of its speed does to it, by averaged theory."""
-    steepness = (plant.k * plant.amplitude) ** 2 * readings.forcing / (2.0 * readings.slow**2)
-    of_speed = np.hypot(steepness * readings.forcing_sigma, _FLOOR)
+    steepness = period_steepness(plant, readings.forcing, readings.slow)
+    of_speed = np.hypot(steepness * readings.forcing_sigma, FLOOR)
     return np.hypot(readings.period_sigma, readings.period * of_speed)
 
 
@@ -150,7 +150,7 @@ def _interval(
 
 
 def _weighed(fit: Explanation, weight: float) -> Explanation:
-    return Explanation(**{**fit.__dict__, 'weight': weight})
+    return replace(fit, weight=weight)
 
 
 def _warnings(readings: Readings, ranked: Sequence[Explanation]) -> tuple[str, ...]:

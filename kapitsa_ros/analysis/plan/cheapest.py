@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA, dial_sigma
-from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA
+from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA, FLOOR
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
 from kapitsa_ros.operator.scripted_operator import CATCH
@@ -36,7 +36,6 @@ _RUNS = (2, 3)  # one would do beside a ruler, but leave nothing to check it by
 _SWINGS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20)
 _REPEATS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _SET_UP = 5.0  # s: the shaft runs up, the strobe is read
-_FLOOR = 1e-5  # relative error of a period, as in the direct fit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -121,7 +120,7 @@ def expected_percent(
     information = np.diag([0.0, (plant.amplitude / RULER_SIGMA) ** 2, DAMPING_SIGMA**-2])
     for run in runs:
         gradient = run.gradient(swings)
-        sigma = math.hypot(press / run.period, run.of_speed * dial, _FLOOR)
+        sigma = math.hypot(press / run.period, run.of_speed * dial, FLOOR)
         information += np.outer(gradient, gradient) / sigma**2
     return 100.0 * NORMAL_95 * math.sqrt(np.linalg.inv(information)[0, 0])
 

@@ -84,8 +84,7 @@ def best_separation(
 
 
 def _periods(cause: Cause, plant: Plant, value: float, release: float | None) -> NDArray[np.float64]:
-    wide = cause.name == 'large_swing'
-    return cause.periods(plant, _SPEEDS, release if wide and release is not None else value)
+    return cause.periods(plant, _SPEEDS, release if cause.is_release and release is not None else value)
 
 
 def _cause(name: str) -> Cause:

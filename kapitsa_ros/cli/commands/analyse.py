@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import click
-from rich.console import Console
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
-from kapitsa_ros.cli.options import json_option, print_json, warn_of_repeats
+from kapitsa_ros.cli.options import json_option, warn_of_repeats
+from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.rig.errors import UsageError
 
@@ -26,7 +26,6 @@ def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, as_js
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
-    from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
 
     if blind and estimator is not None:
         raise UsageError(
@@ -34,9 +33,4 @@ def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, as_js
         )
     warn_of_repeats(bags)
     values = analyse_bags(bags) if blind else analyse_motions(bags, estimator or DEFAULT_ESTIMATOR)
-    if as_json:
-        print_json(values)
-        return
-    console = Console()
-    for table in report_tables(values, RunBag(bags[0]).run.plant):
-        console.print(table)
+    show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)

@@ -41,11 +41,11 @@ def campaign(
     )
     found = result.summary
     if as_json:
-        print_json(_values(found))
+        print_json(_values(found) | {'wall_s': result.wall, 'efficiency': result.efficiency})
         return
     median, low, high = (speed / RPM for speed in found.omega_crit)
     truth = result.truth / RPM
-    click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {found.wall:.1f} s')
+    click.echo(f'{found.experiments} experiments, {found.failed} without a critical speed, {result.wall:.1f} s')
     if found.failed == found.experiments:
         speeds = ', '.join(f'{speed / RPM:.0f}' for speed in load_protocol(protocol).speeds)
         click.echo(f'no swing could be timed at {speeds} RPM; the critical speed of this plant is {truth:.1f} RPM')
@@ -65,6 +65,4 @@ def _values(found: Campaign) -> dict[str, Any]:
         'coverage95': found.coverage,
         'interval_width_rpm': {'median': found.width / RPM},
         'unbounded': found.unbounded,
-        'wall_s': found.wall,
-        'efficiency': found.efficiency,
     }

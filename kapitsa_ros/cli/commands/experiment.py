@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from rich.console import Console
 
 from kapitsa_ros._api.experiment import experiment as call
-from kapitsa_ros.cli.options import SEED, instrument_options, json_option, plant_options, print_json, rate_option
+from kapitsa_ros.cli.options import SEED, instrument_options, json_option, plant_options, rate_option
+from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.recording.writer import STORAGES
 
@@ -42,7 +42,6 @@ def experiment(
 ) -> None:
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
-    from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415
 
     with shown_progress(len(load_protocol(protocol).speeds)) as on_progress:
         found = call(
@@ -55,13 +54,6 @@ def experiment(
             storage=storage,
             on_progress=on_progress,
         )
-    values = found.values
-    if as_json:
-        print_json(values)
-        return
-    console = Console()
-    for table in report_tables(values, plant):
-        console.print(table)
-    console.print(
-        f'{len(values["runs"])} runs below {bags}; {values["realtime_factor"]:.0f} times real time', highlight=False
-    )
+    show_result(found.values, plant, as_json=as_json)
+    if not as_json:
+        click.echo(f'{len(found.bags)} runs below {bags}; {found.realtime_factor:.0f} times real time')

@@ -11,6 +11,7 @@ import click
 from kapitsa_ros._api.explain import explain as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
+from kapitsa_ros.units import interval_text
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.explain import Explanation
@@ -60,7 +61,7 @@ def _line(explanation: Explanation) -> str:
         value = f'{explanation.value:.5g}'
     interval = ''
     if explanation.interval is not None:
-        interval = ' to '.join('unbounded' if end is None else f'{end:.5g}' for end in explanation.interval)
+        interval = interval_text(explanation.interval, '{:.5g}'.format)
     misfit = f'{explanation.rms_misfit:.4f} s' if math.isfinite(explanation.rms_misfit) else 'none'
     weight = f'{explanation.weight:.3f}' if math.isfinite(explanation.weight) else 'none'
     return f'{explanation.name:28} {value:>11} {interval:>22} {misfit:>9} {weight:>7}   {explanation.parameter}'

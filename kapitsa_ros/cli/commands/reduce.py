@@ -9,7 +9,7 @@ import click
 from kapitsa_ros._api.reduce import reduce as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import RPM, in_rpm, interval_text
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.table import Readings
@@ -29,13 +29,14 @@ def reduce(readings: Readings, plant: Plant, *, as_json: bool) -> None:
     found = call(readings, plant)
     for warning in found.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
-    low, high = (_rpm(end) for end in found.eiv_interval)
+    low, high = (in_rpm(end) for end in found.eiv_interval)
+    interval = interval_text((low, high), '{:.2f} RPM'.format)
     if as_json:
         print_json(
             {
-                'ols_rpm': _rpm(found.ols),
-                'inverse_rpm': _rpm(found.inverse_ols),
-                'eiv_rpm': _rpm(found.eiv),
+                'ols_rpm': in_rpm(found.ols),
+                'inverse_rpm': in_rpm(found.inverse_ols),
+                'eiv_rpm': in_rpm(found.eiv),
                 'eiv_interval_rpm': [low, high],
                 'eiv_discrepancy_percent': None if found.eiv_discrepancy is None else 100.0 * found.eiv_discrepancy,
                 'slope_ratio': found.slope_ratio,
@@ -44,22 +45,14 @@ def reduce(readings: Readings, plant: Plant, *, as_json: bool) -> None:
             }
         )
         return
-    click.echo(f'ordinary least squares   {_text(_rpm(found.ols))}')
-    click.echo(f'inverse least squares    {_text(_rpm(found.inverse_ols))}   (the fit of the report)')
-    click.echo(f'errors in variables      {_text(_rpm(found.eiv))}   95 %: {_end(low)} to {_end(high)}')
+    click.echo(f'ordinary least squares   {_text(in_rpm(found.ols))}')
+    click.echo(f'inverse least squares    {_text(in_rpm(found.inverse_ols))}   (the fit of the report)')
+    click.echo(f'errors in variables      {_text(in_rpm(found.eiv))}   95 %: {interval}')
     click.echo(f'predicted (eq. 8)        {_text(found.predicted / RPM)}')
     click.echo(f'slope over theory        {found.slope_ratio:.4f}')
     if found.error_percent is not None:
         click.echo(f'error of the inverse fit {found.error_percent:+.1f} %')
 
 
-def _rpm(speed: float | None) -> float | None:
-    return None if speed is None else speed / RPM
-
-
 def _text(rpm: float | None) -> str:
     return 'none: the line meets the axis at no real speed' if rpm is None else f'{rpm:.2f} RPM'
-
-
-def _end(rpm: float | None) -> str:
-    return 'unbounded' if rpm is None else f'{rpm:.2f} RPM'

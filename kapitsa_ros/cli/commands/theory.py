@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from kapitsa_ros._api.theory import theory as call
 from kapitsa_ros.cli.options import ANGLE, SPEED, json_option, plant_options, print_json
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import in_rpm
 
 if TYPE_CHECKING:
     from kapitsa_ros._api.theory import Theory
@@ -28,9 +27,9 @@ def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as
     rod = found[0] if found else call(plant)
     answer = {
         'mathieu_q': rod.mathieu_q,
-        'omega_crit_averaged_rpm': _rpm(rod.omega_crit_averaged),
-        'omega_crit_exact_rpm': _rpm(rod.omega_crit),
-        'omega_crit_upper_rpm': _rpm(rod.omega_crit_upper),
+        'omega_crit_averaged_rpm': in_rpm(rod.omega_crit_averaged),
+        'omega_crit_exact_rpm': in_rpm(rod.omega_crit),
+        'omega_crit_upper_rpm': in_rpm(rod.omega_crit_upper),
         'speeds': [_at(one) for one in found],
     }
     if as_json:
@@ -41,23 +40,24 @@ def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as
 
 def _at(found: Theory) -> dict[str, Any]:
     answer: dict[str, Any] = {
-        'speed_rpm': _rpm(float(found.speed)),
+        'speed_rpm': in_rpm(float(found.speed)),
         'mathieu_a': float(found.mathieu_a),
         'stable': bool(found.stable),
-        'slow_averaged_rpm': _rpm(float(found.slow_averaged)),
-        'slow_exact_rpm': _rpm(float(found.slow)),
+        'slow_averaged_rpm': in_rpm(float(found.slow_averaged)),
+        'slow_exact_rpm': in_rpm(float(found.slow)),
         'growth_per_s': float(found.growth),
     }
     if found.comparison:
         answer['ladder'] = [
-            {'name': each.name, 'source': each.source, 'slow_rpm': _rpm(each.frequency), 'error_rpm': _rpm(each.error)}
+            {
+                'name': each.name,
+                'source': each.source,
+                'slow_rpm': in_rpm(each.frequency),
+                'error_rpm': in_rpm(each.error),
+            }
             for each in found.comparison[0]
         ]
     return answer
-
-
-def _rpm(speed: float | None) -> float | None:
-    return None if speed is None or math.isnan(speed) else speed / RPM
 
 
 def _print(answer: dict[str, Any]) -> None:

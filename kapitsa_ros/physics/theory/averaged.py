@@ -6,12 +6,29 @@ import math
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from kapitsa_ros.physics.plant import Plant
 
 
 def omega_crit_averaged(plant: Plant) -> float:
     """Return the critical speed, rad/s: √(2g/k)/λ, which is (2/λ)√(gL/3) for the rod (report, eq. 8)."""
     return math.sqrt(2.0 * plant.gravity / plant.k) / plant.amplitude
+
+
+def period_steepness(plant: Plant, speed: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return −d ln T/dω = k²λ²ω/(2Ω²), s/rad: by which share a period is shorter at a higher speed.
+
+    Parameters
+    ----------
+    plant
+        Its friction does not enter.
+    speed, slow
+        ω and Ω, rad/s, of one shape.
+
+    """
+    return (plant.k * plant.amplitude) ** 2 * speed / (2.0 * slow**2)
 
 
 def slow_frequency_averaged(plant: Plant, speed: float) -> float | None:

@@ -16,7 +16,7 @@ from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.laboratory.campaign import Cores, perform_all, summarise
+from kapitsa_ros.laboratory.campaign import perform_all, summarise
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import Plant
@@ -171,7 +171,7 @@ def _trial(name: str, plant: Plant, experiments: int) -> Trial:
         plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
     truth = true_threshold(plant)
-    campaign = summarise(list(perform_all(experiment, experiments)), truth, 1.0, Cores.count)
+    campaign = summarise(list(perform_all(experiment, experiments)), truth)
     return Trial(name=name, truth=truth, campaign=campaign, plan=_plan(plant))
 
 

@@ -19,14 +19,13 @@ from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stabil
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
 from kapitsa_ros.reporting.report.drawings import intervals, recorded_spectrum, recorded_swing
 from kapitsa_ros.resources import resource_path
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import INCH, RPM, interval_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kapitsa_ros.reporting.report.content import Content
 
-_INCH = 0.0254
 _WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
 
 
@@ -85,7 +84,7 @@ def _rpm(speed: float | None, digits: int = 1) -> str:
 
 
 def _inch(length: float) -> str:
-    return f'{length / _INCH:.4g} in'
+    return f'{length / INCH:.4g} in'
 
 
 def _number(value: float | None, digits: int = 3) -> str:
@@ -95,4 +94,4 @@ def _number(value: float | None, digits: int = 3) -> str:
 def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0, digits: int = 4) -> str:
     if interval is None:
         return ''
-    return ' to '.join('unbounded' if end is None else f'{end / unit:.{digits}g}' for end in interval)
+    return interval_text(interval, lambda end: f'{end / unit:.{digits}g}')

@@ -1,0 +1,26 @@
+"""What experiment, analyse and replay print."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from kapitsa_ros.cli.options import print_json
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kapitsa_ros.physics.plant import Plant
+
+
+def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> None:
+    """Print the runs of a plant and their reduction: one JSON object, or Tables 1 to 3 of the report."""
+    from kapitsa_ros.reporting.report_tables import report_tables  # noqa: PLC0415  # loads the analysis
+
+    if as_json:
+        print_json(values)
+        return
+    console = Console()
+    for table in report_tables(values, plant):
+        console.print(table)
