@@ -2,13 +2,19 @@
 
 import ast
 import re
+import shlex
+import shutil
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
+import click
 import pytest
 import yaml
 
 import kapitsa_ros
+from kapitsa_ros.cli.main import kapitsa
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / 'kapitsa_ros'
@@ -23,6 +29,15 @@ FILE = ('.py', '.yaml', '.xml', '.json', '/')
 """Endings by which a path is told from a topic."""
 ADDED = re.compile(r'^\+\+\+ b/(\S+)$', re.MULTILINE)
 """Files that the diffs of a document add or change."""
+
+
+README = (ROOT / 'README.md').read_text(encoding='utf-8')
+COMMANDS = re.findall(r'^kapitsa (?!node)([^#>\n]+)', README, re.MULTILINE)
+SNIPPETS = [
+    code
+    for code in re.findall(r'^```python\n(.*?)^```', README, re.MULTILINE | re.DOTALL)
+    if 'Rig(' not in code and 'def ' not in code
+]
 
 
 def name(path: Path) -> str:
@@ -117,3 +132,34 @@ def test_hooks_before_a_commit_are_local_and_what_make_lint_runs() -> None:
     lines = [line.removeprefix('\t') for line in recipe.partition('\n\n')[0].splitlines()]
     entries = [hook['entry'].replace('.venv/bin', '$(BIN)') for hook in source['hooks']]
     assert [line.removesuffix(' .') for line in lines] == entries
+
+
+@pytest.mark.parametrize('line', [line.strip() for line in COMMANDS])
+def test_the_commands_of_the_readme_are_understood(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their names, options and values; tables of the user's own are there."""
+    monkeypatch.chdir(tmp_path)
+    for table in ('bench_01.csv', 'mine.csv'):
+        shutil.copy(ROOT / 'config' / 'tables' / '1997.csv', table)
+    word, *arguments = shlex.split(line)
+    with click.Context(kapitsa) as context:
+        command = kapitsa.get_command(context, word)
+        assert command is not None
+        if isinstance(command, click.Group):
+            command = command.get_command(context, arguments.pop(0))
+            assert command is not None
+        command.make_context(word, arguments, parent=context)
+
+
+@pytest.mark.parametrize('number', range(len(SNIPPETS)))
+def test_the_python_of_the_readme_runs(number: int) -> None:
+    """Those that start a graph are tests of their own, in test/rig."""
+    assert len(SNIPPETS) == 2
+    done = subprocess.run(
+        [sys.executable, '-c', SNIPPETS[number]], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert 'speed' in done.stdout or '0.98' in done.stdout
+
+
+def test_the_readme_has_every_public_name() -> None:
+    assert set(re.findall(r'`kr\.(\w+)`', README)) == set(kapitsa_ros.__all__)

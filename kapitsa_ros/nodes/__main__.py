@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from importlib import import_module
+from typing import NoReturn
 
 from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
 
@@ -40,6 +42,15 @@ def _run(arguments: list[str]) -> int:
     return run(arguments, module.create)
 
 
+def _exit(status: int) -> NoReturn:
+    """End the process, signals still ignored: all is closed, and to take down an interpreter takes its time."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)
+
+
 if __name__ == '__main__':
     leave_on_signals()
-    sys.exit(_run(sys.argv[1:]))  # signals stay ignored until the process has ended
+    # The matrices of a node are small: threads of a BLAS would only take the cores from the other nodes.
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    _exit(_run(sys.argv[1:]))

@@ -1,4 +1,6 @@
-"""The virtual experiment and the graph of processes are one experiment."""
+"""The simulated experiment and the graph of processes are one experiment."""
+
+from dataclasses import replace
 
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
@@ -7,7 +9,7 @@ from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.recording.reader import RunBag
 
 
-def test_the_graph_gives_the_readings_of_the_virtual_experiment(recorded):
+def test_the_graph_gives_the_readings_of_the_simulated_experiment(recorded):
     experiment = SimulatedExperiment(
         plant=load_preset('ideal'), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=1
     )
@@ -24,3 +26,5 @@ def test_the_graph_gives_the_readings_of_the_virtual_experiment(recorded):
         assert [r.speed for r in mine.speeds] == [r.speed for r in theirs.speeds]
         for name in ('strobe', 'stopwatch'):
             assert mine.settings[name]['instrument'] == theirs.settings[name]['instrument']
+    other = replace(experiment, seed=2).runs()
+    assert [run.period for run in other] != [run.period for run in there]

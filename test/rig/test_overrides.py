@@ -35,16 +35,17 @@ def first_run(bags: Path) -> RunBag:
     return RunBag(path)
 
 
-@pytest.mark.parametrize(
-    'plant', [Plant(damping=1), Plant(length=np.float64(0.25)), Plant(length='9.75in', coulomb=np.int32(1))]
-)
-def test_a_plant_of_ints_numpys_scalars_or_texts_starts(tmp_path: Path, plant: Plant) -> None:
-    """D3."""
-    with Rig(plant, seed=np.int64(3), rate=np.float32(0), bags=tmp_path) as rig:
+def test_a_plant_of_ints_numpys_scalars_and_texts_starts(tmp_path: Path) -> None:
+    """D3. What the instruments come from is a file."""
+    plant = Plant(damping=1, length='9.75in', gravity=np.float64(9.81), coulomb=np.int32(1))
+    path = tmp_path / 'mine.yaml'
+    path.write_text('/**:\n  ros__parameters:\n    reaction_time: 0.3\n')
+    with Rig(plant, instruments=path, seed=np.int64(3), rate=np.float32(0), bags=tmp_path) as rig:
         end_first_run(rig)
     run = first_run(tmp_path)
     assert run.run.plant == plant
     assert run.run.settings['strobe']['seed'] == 3
+    assert recorded(run).stopwatch.reaction_time == 0.3
 
 
 def test_instruments_in_python(tmp_path: Path) -> None:
@@ -56,31 +57,24 @@ def test_instruments_in_python(tmp_path: Path) -> None:
     assert found.stopwatch.reaction_time == 0.2
 
 
-def test_instruments_from_a_file(tmp_path: Path) -> None:
-    path = tmp_path / 'mine.yaml'
-    path.write_text('/**:\n  ros__parameters:\n    reaction_time: 0.3\n')
-    with Rig(instruments=path, bags=tmp_path / 'bags') as rig:
-        end_first_run(rig)
-    assert recorded(first_run(tmp_path / 'bags')).stopwatch.reaction_time == 0.3
-
-
 def test_by_launch(tmp_path: Path) -> None:
-    said = {
+    arguments = {
         'preset': 'bearing', 'plant': 'length=10in coulomb=0.3', 'instruments': 'ideal', 'protocol': '1997',
         'instrument': 'reaction_time=200ms dial_error=0.01', 'rate': '0', 'seed': '1', 'bags': str(tmp_path / 'A'),
     }  # fmt: skip
-    setup = rig_from(said)
+    setup = rig_from(arguments)
     assert setup.plant == Plant(length=0.254, damping=0.1, coulomb=0.3)
     assert parameters(setup).items() >= {'reaction_time': 0.2, 'dial_error': 0.01, 'length': 0.254}.items()
 
 
 def test_on_the_command_line(kapitsa: Any, tmp_path: Path) -> None:
+    (tmp_path / 'one.yaml').write_text('speeds: [2500]\nswings: 1\n')
     answer = kapitsa(
         'experiment', '--instruments', 'ideal', '--instrument', 'reaction_time=0.2', '--instrument', 'dial_error=0.01',
-        '--bags', tmp_path, '--json',
+        '--protocol', tmp_path / 'one.yaml', '--bags', tmp_path, '--json',
     )  # fmt: skip
     assert answer.status == 0, answer.err
-    found = recorded(RunBag(tmp_path / 'run_01_2240rpm'))
+    found = recorded(first_run(tmp_path))
     ideal = load_instruments('ideal')
     assert asdict(found.strobe) == asdict(replace(ideal.strobe, dial_error=0.01))
     assert asdict(found.stopwatch) == asdict(replace(ideal.stopwatch, reaction_time=0.2))

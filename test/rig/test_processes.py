@@ -69,23 +69,33 @@ def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMon
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
-    spectator = Node('spectator', context=context)
+    stranger = Node('stranger', context=context)
+    expected = {
+        topic.name: (writer_of(topic).name, readers_of(topic) & set(ROLE_NAMES)) for topic in (*RECORDED, WRITTEN)
+    }
+
+    def graph() -> dict[str, tuple[str, set[str]]]:
+        """Discovery tells of each end in its own time, and of a node's name after its topics."""
+        return {
+            name: (
+                ', '.join(end.node_name for end in stranger.get_publishers_info_by_topic(name)),
+                {end.node_name for end in stranger.get_subscriptions_info_by_topic(name)} & set(ROLE_NAMES),
+            )
+            for name in expected
+        }
+
     with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path, rate=1.0)), domain):
         try:
             observer.wait_for_progress(PATIENCE)
-            eventually(lambda: set(ROLE_NAMES) <= set(spectator.get_node_names()))
-            seen = dict(spectator.get_topic_names_and_types())
+            eventually(lambda: graph() == expected)
+            assert set(ROLE_NAMES) <= set(stranger.get_node_names())
+            types = dict(stranger.get_topic_names_and_types())
             for topic in (*RECORDED, WRITTEN):
-                assert seen[f'/{topic.name}'] == [topic.type]
-                assert [end.node_name for end in spectator.get_publishers_info_by_topic(topic.name)] == [
-                    writer_of(topic).name
-                ]
-                readers = {end.node_name for end in spectator.get_subscriptions_info_by_topic(topic.name)}
-                assert set(readers_of(topic)) & set(ROLE_NAMES) <= readers
+                assert types[f'/{topic.name}'] == [topic.type]
             for topic, kind in (('/joint_states', 'sensor_msgs/msg/JointState'), ('/clock', 'rosgraph_msgs/msg/Clock')):
-                assert seen[topic] == [kind]
-        finally:  # before the others leave: see nodes/departure.py
-            spectator.destroy_node()
+                assert types[topic] == [kind]
+        finally:  # before the others leave: see kapitsa_ros/ros/shutdown.py
+            stranger.destroy_node()
             context.try_shutdown()
 
 
