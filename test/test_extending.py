@@ -10,9 +10,15 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from kapitsa_ros.analysis.slow_frequency import zero_crossing_frequency
+from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig import Rig
+from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.units import RPM
 
 ROOT = Path(__file__).parents[1]
@@ -43,11 +49,11 @@ def extended(request: pytest.FixtureRequest, tmp_path: Path) -> Python:
     assert git is not None
     subprocess.run([git, 'apply', '-'], input=diff, text=True, check=True, cwd=tmp_path, env=environment)
 
-    def run(*arguments: str) -> str:
+    def run(*arguments: str, env: dict[str, str] | None = None) -> str:
         done = subprocess.run(
             [sys.executable, *arguments],
             cwd=tmp_path,
-            env={**os.environ, 'PYTHONPATH': str(tmp_path)},
+            env={**(env or os.environ), 'PYTHONPATH': str(tmp_path)},
             stdout=subprocess.PIPE,
             check=True,
             text=True,
@@ -134,3 +140,22 @@ def test_a_command_is_found_by_its_name(extended: Python) -> None:
     period = json.loads(extended('-m', 'kapitsa_ros', 'period', '--speed', '2500', '--json'))['period_s']
     (speed,) = json.loads(extended('-m', 'kapitsa_ros', 'theory', '--speed', '2500', '--json'))['speeds']
     assert period == pytest.approx(60 / speed['slow_exact_rpm'])
+
+
+@pytest.mark.parametrize('extended', ['A real rig'], indirect=True)
+def test_a_driver_takes_the_place_of_a_node(extended: Python, tmp_path: Path) -> None:
+    shipped = RunBag(ROOT / 'bags' / 'run_02_2640rpm')
+    np.round(shipped.motion.angle / (2 * np.pi / 65_536)).astype('<i4').tofile(tmp_path / 'counts')
+    (tmp_path / 'one.yaml').write_text('speeds: [2640]\n')
+    with Rig(
+        instruments='ideal', protocol=tmp_path / 'one.yaml', bags=tmp_path / 'runs',
+        nodes=[role for role in ROLE_NAMES if role != 'pendulum'],
+    ) as rig:  # fmt: skip
+        extended('encoder.py', 'counts', env=node_environment(rig.domain))
+        rig.wait_for('analyser/result', lambda result: 'experiment' in result)
+    (bag,) = map(RunBag, (tmp_path / 'runs').iterdir())
+    assert bag.complete
+    assert bag.run.plant == Plant(amplitude=shipped.run.plant.amplitude)
+    slow = zero_crossing_frequency(shipped.recorded.living_swing())
+    assert bag.run.period == pytest.approx(2 * math.pi / slow.value, rel=5e-3)
+    assert np.abs(bag.motion.angle - shipped.motion.angle[: bag.motion.angle.size]).max() < 1e-4

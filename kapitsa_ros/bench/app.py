@@ -314,12 +314,7 @@ class BenchApp(App[RigError]):
             self.state.notify('the nodes are starting: a moment')
             return False
 
-        def order(rig: Rig) -> None:
-            act(rig)
-            if then is not None:
-                self._post(then)
-
-        self._worker.order(order)
+        self._worker.order(act, None if then is None else lambda: self._post(then))
         return True
 
     def _post(self, act: Callable[[], None]) -> None:

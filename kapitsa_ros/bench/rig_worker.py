@@ -52,7 +52,7 @@ class RigWorker:
     def __init__(self, rig: Rig, listener: Listener) -> None:
         self._rig = rig
         self._listener = listener
-        self._orders: SimpleQueue[Order] = SimpleQueue()
+        self._orders: SimpleQueue[tuple[Order, Callable[[], None] | None]] = SimpleQueue()
         self._ending = threading.Event()
         # A daemon: a rig that hangs must not keep the terminal.
         self._thread = threading.Thread(target=self._work, daemon=True)
@@ -66,30 +66,39 @@ class RigWorker:
         self._ending.set()
         self._thread.join(GRACE)
 
-    def order(self, order: Order) -> None:
-        """Have something done with the rig, after what was ordered before."""
-        self._orders.put(order)
+    def order(self, order: Order, done: Callable[[], None] | None = None) -> None:
+        """Have something done with the rig, after what was ordered before.
+
+        `done` is called from the worker's thread once it has succeeded and the listener has what came until then.
+        """
+        self._orders.put((order, done))
 
     def _work(self) -> None:
         try:
             while not self._ending.is_set():
                 self._carry_out()
-                news = self._rig.news(LISTEN)
-                if news:
-                    self._listener.receive(news, time.monotonic())
+                self._pass_on(LISTEN)
         except RigError as error:
             self._listener.receive_failure(error)
         except Exception as error:  # noqa: BLE001  # the person would look at a picture that stands still
             if not self._ending.is_set():  # then the rig may be taken away from an order that hangs
                 self._listener.receive_failure(RigError(f'the bench lost its rig: {error!r}'))
 
+    def _pass_on(self, timeout: float) -> None:
+        news = self._rig.news(timeout)
+        if news:
+            self._listener.receive(news, time.monotonic())
+
     def _carry_out(self) -> None:
         while not self._ending.is_set():
             try:
-                order = self._orders.get_nowait()
+                order, done = self._orders.get_nowait()
             except Empty:
                 return
             try:
                 order(self._rig)
+                if done is not None:
+                    self._pass_on(0.0)
+                    done()
             except (RigError, RequestError, TimeoutError) as error:  # of a death, the news tell
                 self._listener.receive_refusal(str(error))

@@ -85,12 +85,12 @@ class Rig:
         domain: int | None = None,
         *,
         bags: str | Path | None = None,
-        protocol: str = MANUAL,
+        protocol: str | Path = MANUAL,
     ) -> None:
         self._roles = ROLE_NAMES if nodes is None else tuple(nodes)
         if unknown := set(self._roles) - set(ROLE_NAMES):
             raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLE_NAMES)}')
-        self._preset, self._instruments, self._protocol = preset, instruments, protocol
+        self._preset, self._instruments, self._protocol = preset, instruments, str(protocol)
         self._seed, self._rate, self._requested_domain = seed, rate, domain
         self._given_bags = bags
         self._stack = ExitStack()
