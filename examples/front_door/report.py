@@ -4,4 +4,4 @@ import sys
 
 import kapitsa_ros as kr
 
-print(kr.report(sys.argv[1:], 'report.html', experiments=4))
+print(kr.report(sys.argv[1:], 'report.html', experiments=1))

@@ -120,7 +120,7 @@ def test_below_the_threshold_nothing_softens():
 @pytest.mark.parametrize('name', ESTIMATORS)
 def test_every_estimator_gives_the_small_swing_of_a_wide_one(name):
     """Within its own error, and that of the mean of A²: the correction itself is of 1.4 %."""
-    found = ESTIMATORS[name](record(swing(40.0, soft=2.75)), 2.75)
+    found = ESTIMATORS[name](record(swing(20.0, soft=2.75)), 2.75)
     assert found.value == pytest.approx(SLOW, abs=2 * found.sigma + 1e-3 * SLOW)
     assert found.decay == pytest.approx(DECAY, rel=0.05)
 

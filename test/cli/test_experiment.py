@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network import registry
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.physics.pendulum import Pendulum
@@ -83,9 +84,8 @@ def test_bags_are_replayed_to_the_same_digits(kapitsa: Kapitsa, recorded: Record
 
 def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded) -> None:
     first, _, last = sorted(recorded[0].iterdir())
-    for bags in ((last, first), (first, first, last)):
-        values = kapitsa('replay', *bags, '--json').json
-        assert comparable(values) == comparable(kapitsa('analyse', *bags, '--json').json)
+    bags = [last, first, first]
+    assert comparable(kapitsa('replay', *bags, '--json').json) == comparable(analyse_bags(bags))
 
 
 def domain_of(pid: int) -> int:

@@ -161,7 +161,7 @@ def test_a_bag_bent_anywhere_is_refused_or_read(tmp_path: Path, storage: str) ->
     path = next(file for file in write(tmp_path / 'run', storage=storage).iterdir() if file.suffix != '.yaml')
     whole = path.read_bytes()
     chance = np.random.default_rng(1997)
-    for _ in range(60):
+    for _ in range(30):
         bent = bytearray(whole)
         for at in chance.integers(0, len(bent), 8):
             bent[at] = chance.integers(256)
