@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,11 +16,14 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
+from kapitsa_ros.instruments.random_streams import random_stream
 from kapitsa_ros.network.registry import PIVOT, STROBE, STROBE_READING
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.synchronizer import StepSynchronizer
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.dataflow_node import DataflowNode
+from kapitsa_ros.ros.instrument_node import InstrumentNode
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.step_node import StepNode
 
@@ -132,3 +136,32 @@ def test_steps_are_done_in_order_and_what_is_no_step_is_refused(ros: int, capfd:
         jigsaw.destroy_node()
     log = capfd.readouterr().err
     assert 'refused: a step of jigsaw/pivot that was there before (1 so far)' in log
+
+
+class Probe(InstrumentNode):
+    """An instrument that draws one random number."""
+
+    def __init__(self) -> None:
+        super().__init__(STROBE)
+        self.drawn = None
+
+    def instrument(self, random):
+        self.drawn = random.random()
+        return SimpleNamespace(observe=lambda start, motion: None)  # noqa: ARG005
+
+
+def test_random_numbers_belong_to_the_role_whatever_the_node_is_called(domain: int) -> None:
+    """D17."""
+    with on_loopback():
+        arguments = ['--ros-args', '-r', '__node:=lamp', '-p', 'seed:=7']
+        rclpy.init(args=arguments, domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
+        try:
+            node = Probe()
+            synchronizer = StepSynchronizer([PIVOT.name])
+            synchronizer.put(PIVOT.name, StepId(1, 0), PIVOT.encode(0, StepId(1, 0), pivot_of(0)))
+            node.work(synchronizer.take())
+            assert node.get_name() == 'lamp'
+            assert node.drawn == random_stream(7, 'strobe', 1).random()
+            node.destroy_node()
+        finally:
+            rclpy.try_shutdown()

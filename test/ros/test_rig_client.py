@@ -1,10 +1,22 @@
-"""A client that cannot be made leaves no descriptor open."""
+"""A client of the graph: what strangers send is left out, and one that cannot be made leaves no descriptor open."""
 
+import select
+import time
 from pathlib import Path
 
 import pytest
+from rclpy.context import Context
+from rclpy.node import Node
 
+from kapitsa_ros.instruments.strobe import StrobeReading
+from kapitsa_ros.network.cdr import encode_header
+from kapitsa_ros.network.registry import STROBE_READING
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.rig_client import RigClient
+
+pytestmark = pytest.mark.xdist_group('processes')
 
 
 def eventfds() -> int:
@@ -16,3 +28,35 @@ def test_a_client_that_cannot_be_made_leaves_no_descriptor() -> None:
     with pytest.raises(RuntimeError, match='Domain id'):
         RigClient(-5)
     assert eventfds() == before
+
+
+def test_messages_of_strangers_are_left_out(domain: int) -> None:
+    """D16. Their number can be read, and nothing else."""
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        stranger = Node('stranger', context=context)
+        client = RigClient(domain)
+    topic = STROBE_READING.name
+    with client:
+        try:
+            publisher = stranger.create_publisher(message_class(STROBE_READING.type), topic, STREAM)
+            while not publisher.get_subscription_count():
+                time.sleep(0.01)  # discovery takes its own time, and tells nobody
+            publisher.publish(encode_header(0, StepId(1, 0)) + b'\xff' * 64)
+            publisher.publish(STROBE_READING.encode(1, StepId(1, 1), StrobeReading(time=0.1, speed=200.0)))
+            publisher.publish(encode_header(2, StepId(1, 2)) + b'\xff' * 64)
+            while client.seen[topic] != StepId(1, 2):
+                assert select.select([client.news], [], [], 60.0)[0]
+                client.clear_news()
+            assert client.latest(topic) is None
+            assert client.take(topic, None).speed == pytest.approx(200.0)
+            assert client.take(topic, None) is None
+            publisher.publish(encode_header(3, StepId(1, 3)) + b'\xff' * 64)
+            while client.seen[topic] != StepId(1, 3):
+                assert select.select([client.news], [], [], 60.0)[0]
+                client.clear_news()
+            assert client.take_all() == []
+        finally:
+            stranger.destroy_node()
+            context.try_shutdown()
