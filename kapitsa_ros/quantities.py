@@ -47,16 +47,16 @@ def to_si(name: str, value: AnyQuantity, unit: str, bare: float = 1.0) -> float:
         It is none, or of another dimension.
 
     """
+    if is_quantity(value):
+        value, bare = _magnitude(name, value, unit), 1.0
     try:
-        if is_quantity(value):
-            return float(magnitude(value, unit))
         if isinstance(value, str):
             return parse_quantity(value, unit, bare)
         if getattr(value, 'shape', None) == () and hasattr(value, 'item'):  # of numpy
             value = value.item()
         if isinstance(value, Real) and not isinstance(value, bool):
             return float(value) * bare
-    except Exception as error:  # a library of units raises its own
+    except (ValueError, TypeError, OverflowError) as error:
         raise _error(name, value, unit) from error
     raise _error(name, value, unit)
 
@@ -70,15 +70,23 @@ def to_si_array(name: str, values: AnyQuantities, unit: str) -> NDArray[np.float
         One is no quantity, or of another dimension.
 
     """
+    given = _magnitude(name, values, unit) if is_quantity(values) else values
     try:
-        array = np.asarray(magnitude(values, unit) if is_quantity(values) else values)
-    except Exception as error:  # a library of units raises its own
+        array = np.asarray(given)
+    except (ValueError, TypeError, OverflowError) as error:
         raise _error(name, values, unit) from error
     if array.dtype.kind in 'iuf':
         return array.astype(np.float64)
     if array.dtype.kind in 'UO':  # texts, or quantities one by one
         return np.array([to_si(name, value, unit) for value in array.astype(object).flat]).reshape(array.shape)
     raise _error(name, values, unit)
+
+
+def _magnitude(name: str, value: Any, unit: str) -> Any:
+    try:
+        return magnitude(value, unit)
+    except Exception as error:  # each library of units raises its own
+        raise _error(name, value, unit) from error
 
 
 def _error(name: str, value: Any, unit: str) -> QuantityError:

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
-INCH = 0.0254
-"""m."""
 
 _WRITTEN = re.compile(
     r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>\S.*?)?\s*',
     re.IGNORECASE,
 )
 _INCH = Fraction(254, 10_000)  # exact: 9.75in is the double next to 0.24765 m
+INCH = float(_INCH)
+"""m."""
 _TURN = 2 * math.pi
 _NAMES: dict[str, tuple[tuple[float | Fraction, str], ...]] = {
     'm': (

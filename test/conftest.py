@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -93,6 +94,19 @@ def shared_memory_of() -> Callable[[Iterable[int]], set[Path]]:
         return {Path(found) for text in maps for found in re.findall(r'/\S+/fastrtps_[0-9a-f]{16}', text)}
 
     return find
+
+
+@pytest.fixture(scope='session')
+def eventually() -> Callable[[Callable[[], Any]], None]:
+    """Wait for something that discovery, in its own time, makes true, and tells nobody."""
+
+    def wait(true: Callable[[], Any]) -> None:
+        deadline = time.monotonic() + 60.0
+        while not true():
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+
+    return wait
 
 
 @pytest.fixture

@@ -55,6 +55,7 @@ class ExperimentResult:
             interval=interval_text(self.omega_crit_interval),
             predicted=speed_text(self.predicted),
             truth=speed_text(self.truth),
+            errors_beyond_stated=_percent(self.values['discrepancy_percent']),
         )
 
     def to_pandas(self) -> pd.DataFrame:
@@ -149,6 +150,10 @@ def experiment(
         realtime_factor=values['realtime_factor'],
         values=values,
     )
+
+
+def _percent(discrepancy: float | None) -> str:
+    return 'none' if not discrepancy else f'{discrepancy:.2g} % of each period allowed for'
 
 
 def _speed(rpm: float | None) -> float | None:

@@ -68,6 +68,7 @@ class Reduction:
             errors_in_variables=speed_text(self.eiv),
             interval=interval_text(self.eiv_interval),
             predicted=speed_text(self.predicted),
+            warnings='; '.join(self.warnings) or 'none',
         )
 
     def to_pandas(self) -> pd.DataFrame:

@@ -63,6 +63,7 @@ class Theory:
             upper_limit=speed_text(self.omega_crit_upper),
             speeds=speeds_text(self.speed),
             slow=speeds_text(self.slow[np.isfinite(self.slow)]),
+            warnings='; '.join(self.warnings) or 'none',
         )
 
     def to_pandas(self) -> pd.DataFrame:
@@ -95,7 +96,7 @@ def theory(plant: AnyPlant = None, *, speed: AnyQuantities = (), release: AnyQua
     plant
         A `Plant`, or a preset by its name or path; the ideal rod of the report where not given.
     speed
-        ω in rad/s, or with a unit (`'2500 rpm'`, see `rpm`); one, or any number of them: 10⁵ take a third of a second.
+        ω in rad/s, or with a unit (`'2500 rpm'`, see `rpm`); one, or any number of them.
     release
         Also compare the theories for a swing let go at this θ (rad).
 
@@ -149,10 +150,8 @@ def _at_many(plant: Plant, speeds: NDArray[np.float64]) -> dict[str, Any]:
     slow, growth = (curve.reshape(speeds.shape) for curve in physics.floquet_curves(plant, speeds.ravel()))
     possible = np.isfinite(speeds) & (speeds > 0)
     with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
-        a = np.where(possible, -4.0 * plant.k * plant.gravity / speeds**2, np.nan)
-        averaged = np.where(
-            possible, np.sqrt(0.5 * (plant.k * plant.amplitude * speeds) ** 2 - plant.k * plant.gravity), np.nan
-        )
+        a = np.where(possible, physics.mathieu_a(plant, speeds), np.nan)
+        averaged = np.where(possible, np.sqrt(physics.slow_squared_averaged(plant, speeds)), np.nan)
     warnings = []
     if wrong := int(np.count_nonzero(~possible)):
         warnings.append(f'{wrong} of {speeds.size} speeds are not finite and above 0 rad/s')

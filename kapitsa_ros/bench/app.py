@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, ClassVar
 from textual.app import App, ComposeResult
 from textual.containers import Horizontal, Vertical
 from textual.message import Message
-from textual.screen import ModalScreen
 from textual.widgets import Footer, Input, Static
 
 from kapitsa_ros.bench import panels
 from kapitsa_ros.bench.bench_state import FASTEST, BenchState
-from kapitsa_ros.bench.help_text import HELP
+from kapitsa_ros.bench.help_screen import HelpScreen
 from kapitsa_ros.bench.keys import KEYS
 from kapitsa_ros.bench.rig_worker import RigWorker
 from kapitsa_ros.instruments.errors import InstrumentError
@@ -53,22 +52,6 @@ class _Callback(Message):
     def __init__(self, act: Callable[[], None]) -> None:
         super().__init__()
         self.act = act
-
-
-class _Help(ModalScreen[None]):
-    """The help screen: any key closes it."""
-
-    DEFAULT_CSS = """
-    _Help { align: center middle; }
-    _Help Static { width: 74; height: auto; border: round $primary; padding: 0 1; background: $surface; }
-    """
-
-    def compose(self) -> ComposeResult:
-        yield Static(HELP, markup=False)
-
-    def on_key(self, event: events.Key) -> None:
-        event.stop()
-        self.dismiss()
 
 
 class BenchApp(App[RigError]):
@@ -244,7 +227,7 @@ class BenchApp(App[RigError]):
 
     def action_guide(self) -> None:
         """Explain the keys."""
-        self.push_screen(_Help())
+        self.push_screen(HelpScreen())
 
     def action_ask(self, what: str) -> None:
         """Let something be typed."""

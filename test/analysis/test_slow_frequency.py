@@ -139,6 +139,7 @@ def test_laps_make_good_the_display_and_the_rhythm():
     [
         (lambda: sinusoid_fit_frequency(record(swing(2.0))), 'whole slow period'),
         (lambda: zero_crossing_frequency(record(0.1 + 0 * swing(2.0))), '0 passage'),
+        (lambda: zero_crossing_frequency(record(swing(10.0)), 300.0), 'too wide'),
         (lambda: record(np.full(1000, np.nan)), 'finite'),
         (lambda: record(swing(0.1)), 'eight turns'),
         (lambda: SwingRecord(angle=np.zeros(1000), period=0.1, forcing=FORCING), 'more often'),

@@ -47,14 +47,6 @@ def carry_out(nodes: NodeGroup) -> None:
         assert time.monotonic() < deadline, f'{[r for r in ROLE_NAMES if nodes[r].status() is None]} still run'
 
 
-def eventually(true: Callable[[], bool]) -> None:
-    """Wait for something that discovery, in its own time, makes true."""
-    deadline = time.monotonic() + PATIENCE
-    while not true():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-
-
 def children(pid: int) -> list[int]:
     """Return the processes a process has started."""
     return [int(child) for child in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
@@ -65,7 +57,9 @@ def role_of(pid: int) -> str:
     return command[command.index(b'kapitsa_ros.nodes') + 1].decode()
 
 
-def test_ros_sees_seven_nodes_and_their_topics(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
+def test_ros_sees_seven_nodes_and_their_topics(
+    domain: int, observer: SessionMonitor, tmp_path: Path, eventually: Callable[[Callable[[], bool]], None]
+) -> None:
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)

@@ -5,9 +5,9 @@ import signal
 import subprocess
 import sys
 import threading
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -58,16 +58,20 @@ def ros(domain: int) -> Iterator[int]:
         rclpy.try_shutdown()
 
 
-def test_a_full_writer_waits_names_the_reader_and_loses_nothing(ros: int, capfd: pytest.CaptureFixture[str]) -> None:
+def test_a_full_writer_waits_names_the_reader_and_loses_nothing(
+    ros: int, capfd: pytest.CaptureFixture[str], eventually: Callable[[Callable[[], Any]], None]
+) -> None:
     reader = subprocess.Popen([sys.executable, '-c', READER, str(ros)], stdout=subprocess.PIPE, text=True)
     assert reader.stdout is not None
     assert reader.stdout.readline() == 'listens\n'
     node = DataflowNode(STROBE)
     try:
-        while [end.node_name for end in node.get_subscriptions_info_by_topic(STROBE_READING.name)] != [
-            'stopped_reader'
-        ]:
-            time.sleep(0.01)  # discovery takes its own time, and tells nobody
+        eventually(
+            lambda: (
+                [end.node_name for end in node.get_subscriptions_info_by_topic(STROBE_READING.name)]
+                == ['stopped_reader']
+            )
+        )
         reader.send_signal(signal.SIGSTOP)
         os.waitpid(reader.pid, os.WUNTRACED)
         sent = threading.Event()
@@ -78,11 +82,9 @@ def test_a_full_writer_waits_names_the_reader_and_loses_nothing(ros: int, capfd:
             sent.set()
 
         threading.Thread(target=emit_all, daemon=True).start()
-        log = ''
-        while 'is full' not in log:
-            time.sleep(0.01)  # the writer's thread waits, and says so on stderr only
-            log += capfd.readouterr().err
-        assert 'strobe/reading is full: waiting for a reader that has stopped (stopped_reader)' in log
+        log: list[str] = []  # the writer's thread waits, and says so on stderr only
+        eventually(lambda: log.append(capfd.readouterr().err) or 'is full' in ''.join(log))
+        assert 'strobe/reading is full: waiting for a reader that has stopped (stopped_reader)' in ''.join(log)
         assert not sent.is_set()
         reader.send_signal(signal.SIGCONT)
         assert reader.stdout.readline() == 'True\n'
@@ -113,21 +115,22 @@ def pivot_of(number: int) -> SampledMotion:
     return SampledMotion(1e-3, np.full(3, float(number)), np.zeros(3), np.zeros(3))
 
 
-def test_steps_are_done_in_order_and_what_is_no_step_is_refused(ros: int, capfd: pytest.CaptureFixture[str]) -> None:  # noqa: ARG001
+def test_steps_are_done_in_order_and_what_is_no_step_is_refused(
+    ros: int,  # noqa: ARG001
+    capfd: pytest.CaptureFixture[str],
+    eventually: Callable[[Callable[[], Any]], None],
+) -> None:
     node, jigsaw = Counting(), Node('jigsaw')
     publisher = jigsaw.create_publisher(message_class(PIVOT.type), PIVOT.name, STREAM)
     executor = SingleThreadedExecutor()
     executor.add_node(node)
     try:
-        while not publisher.get_subscription_count():
-            executor.spin_once(0.01)
+        eventually(lambda: executor.spin_once(0.01) or publisher.get_subscription_count())
         messages = [PIVOT.encode(step, StepId(1, step), pivot_of(step)) for step in range(3)]
         end = PIVOT.codec.encode_silence(3, StepId(1, 3, end=True))
         for raw in (messages[0], messages[1], messages[1], b'\x00\x01\x00\x00 no step', messages[2], end):
             publisher.publish(raw)
-        while not node.ended:
-            executor.spin_once(0.1)
-            node.advance()
+        eventually(lambda: executor.spin_once(0.1) or (node.advance() and node.ended))
         assert node.steps == [(StepId(1, step), float(step)) for step in range(3)]
         assert node.ended == [StepId(1, 3, end=True)]
     finally:

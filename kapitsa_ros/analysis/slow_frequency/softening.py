@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate
 from kapitsa_ros.analysis.slow_frequency.matrix_pencil import strongest_pole
 from kapitsa_ros.physics.errors import PhysicsError
@@ -45,8 +46,17 @@ def of_small_swing(record: SwingRecord, value: float, sigma: float, softening: f
     """Reduce a frequency found without regard to the amplitude, in rad/s as its error; add the decay of the swing.
 
     For A² stands twice the mean square of the drive-nulled motion, which is the mean of A² over whole periods.
+
+    Raises
+    ------
+    AnalysisError
+        By this softening no such swing could be.
+
     """
     times, means = record.drive_nulled()
-    factor = 1.0 / (1.0 - 2.0 * softening * float(np.mean(means**2)))
+    slowing = 2.0 * softening * float(np.mean(means**2))
+    if slowing >= 1.0:
+        raise AnalysisError('the swing is too wide to be reduced to a small one: take another estimator')
+    factor = 1.0 / (1.0 - slowing)
     decay = -strongest_pole(means, times[1] - times[0]).real
     return SlowEstimate(value=value * factor, sigma=sigma * factor, decay=decay)

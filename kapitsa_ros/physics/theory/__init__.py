@@ -3,7 +3,7 @@
 SciPy's rooms are reached through `scipy` itself, which loads them at first use: a run need not wait for them.
 """
 
-from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_frequency_averaged
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, slow_frequency_averaged, slow_squared_averaged
 from kapitsa_ros.physics.theory.comparison import TheoryResult, compare_theories
 from kapitsa_ros.physics.theory.expansion import omega_crit_next_order, slow_frequency_next_order
 from kapitsa_ros.physics.theory.floquet import (
@@ -66,6 +66,7 @@ __all__ = [
     'slow_frequency_next_order',
     'slow_frequency_nonlinear',
     'slow_frequency_with_play',
+    'slow_squared_averaged',
     'slow_start',
     'slow_swing',
     'stability_map',

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from kapitsa_ros.physics.plant import Plant
+
+
+_Speeds = TypeVar('_Speeds', 'float', 'NDArray[np.float64]')
 
 
 def omega_crit_averaged(plant: Plant) -> float:
@@ -31,6 +34,11 @@ def period_steepness(plant: Plant, speed: NDArray[np.float64], slow: NDArray[np.
     return (plant.k * plant.amplitude) ** 2 * speed / (2.0 * slow**2)
 
 
+def slow_squared_averaged(plant: Plant, speed: _Speeds) -> _Speeds:
+    """Return Ω² = k²λ²ω²/2 − kg, (rad/s)², negative below the critical speed; of one speed ω (rad/s) or of an array."""
+    return 0.5 * (plant.k * plant.amplitude * speed) ** 2 - plant.k * plant.gravity
+
+
 def slow_frequency_averaged(plant: Plant, speed: float) -> float | None:
     """Return Ω, rad/s: Ω² = k²λ²ω²/2 − kg, which is 9λ²ω²/(8L²) − 3g/(2L) for the rod (report, eq. 15).
 
@@ -47,5 +55,5 @@ def slow_frequency_averaged(plant: Plant, speed: float) -> float | None:
         None below the critical speed.
 
     """
-    square = 0.5 * (plant.k * plant.amplitude * speed) ** 2 - plant.k * plant.gravity
+    square = slow_squared_averaged(plant, speed)
     return math.sqrt(square) if square >= 0 else None

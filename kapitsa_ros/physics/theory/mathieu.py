@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant
 
 
-def mathieu_a(plant: Plant, speed: float) -> float:
-    """Return a = −4kg/ω², which is −6g/(ω²L) for the rod (report, eq. 5)."""
+def mathieu_a(plant: Plant, speed: Quantity) -> Quantity:
+    """Return a = −4kg/ω², which is −6g/(ω²L) for the rod (report, eq. 5); of one speed ω (rad/s) or of an array."""
     return -4.0 * plant.k * plant.gravity / speed**2
 
 
