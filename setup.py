@@ -50,6 +50,7 @@ CORE = [
     'ros-jazzy-rclpy[fastrtps]>=7.1',
     'rosbags==0.11.9',  # recording/ closes chunks through its storage objects
     'scipy>=1.11',
+    'setproctitle>=1.3',
 ]
 REPORT = [
     'jinja2>=3.1',

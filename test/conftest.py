@@ -20,6 +20,7 @@ import pytest
 
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 
@@ -83,6 +84,29 @@ def observer(domain: int) -> Iterator[SessionMonitor]:
         listening = SessionMonitor(domain)
     with listening:
         yield listening
+
+
+@pytest.fixture(scope='session', autouse=True)
+def one_fork_server() -> Iterator[None]:
+    """Let the rigs of all tests in this process fork their nodes from one."""
+    with fork_server():
+        yield
+
+
+@pytest.fixture(scope='session')
+def processes_of() -> Callable[[int], dict[str, int]]:
+    """Return what a rig has started, by process id of the rig: the nodes by role, and what they were forked from."""
+
+    def children(pid: int) -> list[int]:
+        tasks = Path(f'/proc/{pid}/task').iterdir()
+        return [int(child) for task in tasks for child in (task / 'children').read_text().split()]
+
+    def find(rig: int) -> dict[str, int]:
+        [server] = children(rig)
+        nodes = children(server)
+        return {Path(f'/proc/{pid}/comm').read_text().strip(): pid for pid in nodes} | {'fork_server': server}
+
+    return find
 
 
 @pytest.fixture(scope='session')

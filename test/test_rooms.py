@@ -47,7 +47,8 @@ STAND_ON = {
     'kapitsa_ros', 'launch', 'launch_ros', 'markupsafe', 'matplotlib',
     'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
     'pytest',
-    'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'std_msgs', 'std_srvs',
+    'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'std_msgs',
+    'std_srvs',
     'textual', 'trajectory_msgs', 'yaml',
 }  # fmt: skip
 """What setup.py and package.xml declare, by the name it is imported under."""

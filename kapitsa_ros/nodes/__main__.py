@@ -20,10 +20,18 @@ def main(arguments: list[str] | None = None) -> int:
 
     """
     with restoring_signals():
-        return _run(sys.argv[1:] if arguments is None else arguments)
+        return run_node(sys.argv[1:] if arguments is None else arguments)
 
 
-def _run(arguments: list[str]) -> int:
+def run_node(arguments: list[str]) -> int:
+    """Run the node named first, in a process that ends with it; what follows are ROS arguments.
+
+    Returns
+    -------
+    int
+        The exit status of the node.
+
+    """
     # Not above: the imports take half a second, in which signals are heard already.
     from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
     from kapitsa_ros.network.registry import NODE_NAMES  # noqa: PLC0415
@@ -53,4 +61,4 @@ if __name__ == '__main__':
     leave_on_signals()
     # The matrices of a node are small: threads of a BLAS would only take the cores from the other nodes.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-    _exit(_run(sys.argv[1:]))
+    _exit(run_node(sys.argv[1:]))

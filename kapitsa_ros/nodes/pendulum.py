@@ -19,12 +19,16 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.step import Step
 
 
+def load_kernels() -> None:
+    """Load the kernels, which takes a third of a second: better before others count on this node."""
+    Pendulum(Plant()).advance(SampledMotion(0.001, *np.zeros((3, 101))))
+
+
 class PendulumNode(StepNode):
     """Executable `pendulum`."""
 
     def __init__(self) -> None:
-        # Kernels take a third of a second to load: better now, before others count on this node.
-        Pendulum(Plant()).advance(SampledMotion(0.001, *np.zeros((3, 101))))
+        load_kernels()
         super().__init__(PENDULUM)
         # The stroke is the jigsaw's; the rest of the plant is declared here.
         self._plant = declare_set(self, Plant, *(item.name for item in describe(Plant) if item.name != 'amplitude'))

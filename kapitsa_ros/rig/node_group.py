@@ -5,9 +5,11 @@ from __future__ import annotations
 import select
 import signal
 import time
+from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Self
 
 from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.node_process import NodeProcess
 
 if TYPE_CHECKING:
@@ -29,9 +31,11 @@ class NodeGroup:
     def __init__(self, roles: Sequence[str], parameters: Mapping[str, Any], domain: int) -> None:
         self._processes: list[NodeProcess] = []
         self._left: dict[str, float] = {}
+        self._server = ExitStack()
         try:
+            server = self._server.enter_context(fork_server())
             for role in roles:
-                self._processes.append(NodeProcess(role, parameters, domain))
+                self._processes.append(NodeProcess(server, role, parameters, domain))
         except BaseException:
             self.stop(HASTE)
             raise
@@ -66,6 +70,8 @@ class NodeGroup:
             how = f'was killed by {signal.Signals(-status).name}' if status < 0 else f'died with status {status}'
             lines = process.last_error_lines()
             raise RigError(f'{process.role} {how}{": " + lines if lines else ""}')
+        if any(process.orphaned for process in self._processes):
+            raise RigError('the process that the nodes were forked from was killed, and they have left')
         return all(status == 0 for _, status in ended)
 
     def refuse_leavers(self, patience: float) -> None:
@@ -91,7 +97,7 @@ class NodeGroup:
             A node died.
 
         """
-        running = [process.pidfd for process in self._processes if process.status() is None]
+        running = [process.sentinel for process in self._processes if process.status() is None]
         if running:
             _wait_until_readable([*running, *news], timeout)
         return self.check()
@@ -104,13 +110,14 @@ class NodeGroup:
                     process.end(number)
             deadline = time.monotonic() + grace
             for process in self._processes:
-                _wait_until_readable([process.pidfd], max(0.0, deadline - time.monotonic()))
+                _wait_until_readable([process.sentinel], max(0.0, deadline - time.monotonic()))
         finally:  # also where a signal interrupts the wait
             for process in self._processes:
                 process.end(signal.SIGKILL)
             for process in self._processes:
                 process.close()
             self._processes.clear()
+            self._server.close()
 
 
 def _wait_until_readable(descriptors: Sequence[int], timeout: float) -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
+import signal
 import threading
 from collections import deque
 from contextlib import ExitStack
@@ -12,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
-from kapitsa_ros.rig.environment import node_environment
-from kapitsa_ros.ros.arguments import PARENT_OPTION
+from kapitsa_ros.rig.file_in_memory import file_in_memory
 
 if TYPE_CHECKING:
-    import signal
     from collections.abc import Mapping
+
+    from kapitsa_ros.rig.fork_server_process import ForkServerProcess
 
 LAST_LINES = 20
 
@@ -27,6 +26,8 @@ class NodeProcess:
 
     Parameters
     ----------
+    server
+        What it is forked from.
     role
         Executable and name of the node.
     parameters
@@ -36,33 +37,21 @@ class NodeProcess:
 
     """
 
-    def __init__(self, role: str, parameters: Mapping[str, Any], domain: int) -> None:
+    def __init__(self, server: ForkServerProcess, role: str, parameters: Mapping[str, Any], domain: int) -> None:
         self.role = role
         self._lines: deque[str] = deque(maxlen=LAST_LINES)
         self._news = threading.Condition()
-        file = _params_file(parameters)
-        command = [sys.executable, '-m', 'kapitsa_ros.nodes', role, PARENT_OPTION, str(os.getpid())]
-        command += ['--ros-args', '--disable-external-lib-logs', '--params-file', f'/proc/self/fd/{file}']
-        # A session of its own: Ctrl-C reaches the rig, which then ends its nodes in order.
-        try:
-            self._process = subprocess.Popen(  # noqa: S603
-                command,
-                env=node_environment(domain),
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.PIPE,
-                text=True,
-                errors='replace',
-                start_new_session=True,
-                pass_fds=(file,),
-            )
-        finally:
-            os.close(file)
         with ExitStack() as failed_start:
-            failed_start.push(self._process)
-            failed_start.callback(self._process.kill)
-            self.pidfd = os.pidfd_open(self._process.pid)
-            failed_start.callback(os.close, self.pidfd)
+            pipe, stderr = os.pipe()
+            self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
+            of_any_node = {'/**': {'ros__parameters': dict(parameters)}}
+            try:
+                with file_in_memory(yaml.safe_dump(of_any_node, allow_unicode=True)) as file:
+                    self._process = server.start(role, file.fileno(), stderr, domain)
+            finally:
+                os.close(stderr)
+            failed_start.callback(self._process.close)
+            failed_start.callback(self._process.send_signal, signal.SIGKILL)
             self._reader = threading.Thread(target=self._read, daemon=True)
             self._reader.start()
             failed_start.pop_all()
@@ -72,9 +61,19 @@ class NodeProcess:
         """Process id."""
         return self._process.pid
 
+    @property
+    def sentinel(self) -> int:
+        """A file descriptor that can be read once the process has ended."""
+        return self._process.sentinel
+
+    @property
+    def orphaned(self) -> bool:
+        """Whether the process that it was forked from was killed: it is about to leave."""
+        return self._process.orphaned
+
     def status(self) -> int | None:
-        """Return the exit status, or None while it runs."""
-        return self._process.poll()
+        """Return the exit status, that of a signal negative; None while it runs, or where it is an orphan."""
+        return self._process.status()
 
     def last_error_lines(self) -> str:
         """Return its last error, or else its last lines on stderr."""
@@ -91,32 +90,19 @@ class NodeProcess:
 
     def end(self, number: signal.Signals) -> None:
         """Send a signal, if it still runs."""
-        if self.status() is None:
-            self._process.send_signal(number)
+        self._process.send_signal(number)
 
     def close(self) -> None:
         """Wait for the end and free its descriptors."""
-        self._process.wait()
+        self._process.close()
         self._reader.join(timeout=1.0)
-        if self._process.stderr is not None:
-            self._process.stderr.close()
-        os.close(self.pidfd)
+        self._stderr.close()
 
     def _read(self) -> None:
-        assert self._process.stderr is not None  # noqa: S101
         try:
-            for line in self._process.stderr:
+            for line in self._stderr:
                 with self._news:
                     self._lines.append(line.rstrip())
                     self._news.notify_all()
         except ValueError:
             pass  # closed from the other side while stopping
-
-
-def _params_file(parameters: Mapping[str, Any]) -> int:
-    """Write parameters for nodes of any name to a file in memory, which is gone with its last reader."""
-    file = os.memfd_create('parameters')
-    text = yaml.safe_dump({'/**': {'ros__parameters': dict(parameters)}}, allow_unicode=True)
-    with os.fdopen(os.dup(file), 'w', encoding='utf-8') as writer:
-        writer.write(text)
-    return file

@@ -32,6 +32,7 @@ from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
+from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.physics.jigsaw import Jigsaw
@@ -530,26 +531,13 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     terminal.close()
 
 
-def nodes_of(pid: int) -> dict[str, int]:
-    """Return the processes of a rig by role."""
-    found = {}
-    for entry in Path('/proc').iterdir():
-        if entry.name.isdecimal():
-            try:
-                words = (entry / 'cmdline').read_bytes().split(b'\0')
-                parent = int((entry / 'stat').read_text().rpartition(')')[2].split()[1])
-            except OSError:
-                continue
-            if parent == pid and b'kapitsa_ros.nodes' in words:
-                found[words[words.index(b'kapitsa_ros.nodes') + 1].decode()] = int(entry.name)
-    return found
-
-
 @pytest.mark.parametrize('end', ['asked', 'hung up', 'broken'])
-def test_however_it_ends_nothing_is_left(terminal: Terminal, tmp_path: Path, end: str):
+def test_however_it_ends_nothing_is_left(
+    terminal: Terminal, processes_of: Callable[[int], dict[str, int]], tmp_path: Path, end: str
+):
     terminal.read_until(lambda: 'the shaft is at rest' in terminal.shown)
-    nodes = nodes_of(terminal.process.pid)
-    assert len(nodes) == 7
+    nodes = processes_of(terminal.process.pid)
+    assert nodes.keys() == {*ROLE_NAMES, 'fork_server'}
     terminal.read_until(lambda: list(tmp_path.glob('bench_01/run_*')))
     if end == 'asked':
         terminal.process.send_signal(signal.SIGTERM)

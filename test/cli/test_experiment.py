@@ -20,6 +20,7 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.resources import resource_path
+from kapitsa_ros.rig.domain import HIGHEST
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.rig_client import RigClient
 from kapitsa_ros.units import RPM
@@ -89,10 +90,12 @@ def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded)
 
 
 def domain_of(pid: int) -> int:
-    """Return the domain that an experiment has reserved: its nodes are told."""
-    child, *_ = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
-    variables = Path(f'/proc/{child}/environ').read_text().split('\0')
-    return int(next(text.removeprefix('ROS_DOMAIN_ID=') for text in variables if text.startswith('ROS_DOMAIN_ID=')))
+    """Return the domain that a process is in; DDS gives each 250 ports (RTPS specification, 9.6.1.1)."""
+    links = [str(path.readlink()) for path in Path(f'/proc/{pid}/fd').iterdir()]
+    rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
+    ports = [int(row[1].split(':')[1], 16) for row in rows if f'socket:[{row[9]}]' in links]
+    [domain] = {(port - 7400) // 250 for port in ports if 7400 <= port < 7400 + 250 * (HIGHEST + 1)}
+    return domain
 
 
 def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> None:

@@ -5,12 +5,13 @@ import os
 import resource
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 
 import pytest
 
 from kapitsa_ros.rig import node_group
+from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
 
 SELECT_TAKES = 1024
@@ -30,7 +31,7 @@ def many_files() -> Iterator[None]:
 @pytest.mark.usefixtures('many_files')
 def test_nodes_are_watched_and_stopped_by_descriptors_that_select_cannot_take(domain: int) -> None:
     with NodeGroup(['pendulum'], {'expect': ['jigsaw', 'operator']}, domain) as nodes:
-        assert nodes['pendulum'].pidfd >= SELECT_TAKES
+        assert nodes['pendulum'].sentinel >= SELECT_TAKES
         pid = nodes['pendulum'].pid
         assert nodes['pendulum'].wait_for_line('joins domain', 30.0)
         assert not nodes.wait(0.0)
@@ -38,17 +39,23 @@ def test_nodes_are_watched_and_stopped_by_descriptors_that_select_cannot_take(do
         os.kill(pid, 0)
 
 
-def children() -> set[int]:
-    """Process ids of the children of all threads of this process."""
-    tasks = Path('/proc/self/task').iterdir()
-    return {int(pid) for task in tasks for pid in (task / 'children').read_text().split()}
+@pytest.fixture
+def server() -> Iterator[ForkServerProcess]:
+    with fork_server() as process:
+        yield process
 
 
-def test_nodes_are_gone_where_waiting_for_them_is_interrupted(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def children(pid: int) -> set[int]:
+    return {int(child) for child in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()}
+
+
+def test_nodes_are_gone_where_waiting_for_them_is_interrupted(
+    domain: int, server: ForkServerProcess, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """As by a second Ctrl-C while the first one stops them."""
-    before = children()
+    before = children(server.pid)
     nodes = NodeGroup(['pendulum', 'strobe'], {'expect': ['jigsaw', 'operator']}, domain)
-    assert len(children() - before) == 2
+    assert len(children(server.pid) - before) == 2
 
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
@@ -56,20 +63,48 @@ def test_nodes_are_gone_where_waiting_for_them_is_interrupted(domain: int, monke
     monkeypatch.setattr(node_group, '_wait_until_readable', interrupt)
     with pytest.raises(KeyboardInterrupt):
         nodes.stop(60.0)
-    assert children() == before
+    assert children(server.pid) == before
 
 
-@pytest.mark.parametrize('failing', ['pidfd_open', 'thread'])
+def descriptors() -> list[str]:
+    return sorted(path.name for path in Path('/proc/self/fd').iterdir())
+
+
 def test_a_node_that_cannot_be_watched_is_not_left_running(
-    failing: str, domain: int, monkeypatch: pytest.MonkeyPatch
+    domain: int, server: ForkServerProcess, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As where the last free file descriptor or thread went into its start."""
-    before = children()
+    """As where the last thread went into its start."""
+    before, open_before = children(server.pid), descriptors()
 
     def refuse(*_: object, **__: object) -> None:
-        raise OSError(errno.EMFILE, 'too many open files')
+        raise OSError(errno.EAGAIN, 'no thread is left')
 
-    monkeypatch.setattr(*((os, 'pidfd_open') if failing == 'pidfd_open' else (threading.Thread, 'start')), refuse)
-    with pytest.raises(OSError, match='too many open files'):
+    monkeypatch.setattr(threading.Thread, 'start', refuse)
+    with pytest.raises(OSError, match='no thread is left'):
         NodeGroup(['pendulum'], {'expect': ['jigsaw', 'operator']}, domain)
-    assert children() == before
+    assert children(server.pid) == before
+    assert descriptors() == open_before
+
+
+@pytest.mark.parametrize('left', range(6))
+def test_a_node_that_finds_no_file_descriptor_is_not_left_running(
+    left: int, domain: int, server: ForkServerProcess
+) -> None:
+    """Wherever in its start the last one goes."""
+    before, open_before = children(server.pid), descriptors()
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with ExitStack() as filled:
+        filled.callback(resource.setrlimit, resource.RLIMIT_NOFILE, (soft, hard))
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(map(int, open_before)) + 10, hard))
+        taken: list[int] = []
+        with suppress(OSError):
+            while True:
+                taken.append(os.open(os.devnull, os.O_RDONLY))
+        for descriptor in taken[left:]:
+            filled.callback(os.close, descriptor)
+        for descriptor in taken[:left]:
+            os.close(descriptor)
+        with pytest.raises(OSError, match=r'descriptor|open files'):
+            NodeGroup(['pendulum'], {'expect': ['jigsaw', 'operator']}, domain)
+    assert children(server.pid) == before
+    assert descriptors() == open_before

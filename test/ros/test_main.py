@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from kapitsa_ros.rig.environment import node_environment
-from kapitsa_ros.rig.node_process import NodeProcess
+from kapitsa_ros.rig.node_group import NodeGroup
 
 PATIENCE = 30.0
 
@@ -120,8 +120,8 @@ def test_a_node_started_through_a_shell_of_the_rig_lives_on(domain: int) -> None
 
 ORPHANS = """
 import os, sys
-from kapitsa_ros.rig.node_process import NodeProcess
-node = NodeProcess('pendulum', {{}}, {domain})
+from kapitsa_ros.rig.node_group import NodeGroup
+node = NodeGroup(['pendulum'], {{}}, {domain})['pendulum']
 assert node.wait_for_line('joins domain', 30.0)
 print(node.pid, flush=True)
 os._exit(0)
@@ -144,10 +144,7 @@ def test_a_node_of_a_rig_that_was_killed_ends(domain: int) -> None:
 
 
 def test_what_a_rig_starts_is_known_by_its_role(domain: int) -> None:
-    node = NodeProcess('pendulum', {'length': -1.0}, domain)
-    try:
-        node.close()
-        assert node.status() == 2
-        assert 'parameter length' in node.last_error_lines()
-    finally:
-        node.end(signal.SIGKILL)
+    with NodeGroup(['pendulum'], {'length': -1.0}, domain) as nodes:
+        assert select.select([nodes['pendulum'].sentinel], [], [], PATIENCE)[0]
+        assert nodes['pendulum'].status() == 2
+        assert 'parameter length' in nodes['pendulum'].last_error_lines()

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
@@ -32,19 +32,28 @@ def has_begun(pid: int) -> bool:
     return bool(int(caught, 16) >> (signal.SIGHUP - 1) & 1)
 
 
-@contextmanager
-def leaving_nothing(pid: int, shared_memory_of: Callable[..., set[Path]]) -> Iterator[None]:
-    """Within, a rig is stopped: on the way out its nodes must have ended and their shared memory must be gone."""
-    nodes = Path(f'/proc/{pid}/task/{pid}/children').read_text().split()
-    assert len(nodes) == len(ROLE_NAMES)
-    watches = [os.pidfd_open(int(node)) for node in nodes]
-    shared = shared_memory_of([pid, *map(int, nodes)])
-    assert shared
-    yield
-    assert all(map(has_ended, watches))
-    assert not [segment for segment in shared if segment.exists()]
-    for watch in watches:
-        os.close(watch)
+Leaving = Callable[[int], AbstractContextManager[None]]
+
+
+@pytest.fixture
+def leaving_nothing(
+    processes_of: Callable[[int], dict[str, int]], shared_memory_of: Callable[..., set[Path]]
+) -> Leaving:
+    @contextmanager
+    def leaving(rig: int) -> Iterator[None]:
+        """Within, a rig is stopped: on the way out its processes must have ended, their shared memory must be gone."""
+        pids = processes_of(rig)
+        assert len(pids) == len(ROLE_NAMES) + 1
+        watches = [os.pidfd_open(pid) for pid in pids.values()]
+        shared = shared_memory_of([rig, *pids.values()])
+        assert shared
+        yield
+        assert all(map(has_ended, watches))
+        assert not [segment for segment in shared if segment.exists()]
+        for watch in watches:
+            os.close(watch)
+
+    return leaving
 
 
 def has_ended(watch: int) -> bool:
@@ -59,9 +68,9 @@ def test_a_signal_ends_every_node_of_a_run_with_status_0(
         observer.wait_for_progress(PATIENCE)
         for role in ROLE_NAMES:
             nodes[role].end(number)
-        assert all(has_ended(nodes[role].pidfd) for role in ROLE_NAMES)
-        assert [nodes[role].status() for role in ROLE_NAMES] == [0] * len(ROLE_NAMES)
-        assert not [words for role in ROLE_NAMES if 'Traceback' in (words := nodes[role].last_error_lines())]
+        assert all(has_ended(nodes[role].sentinel) for role in ROLE_NAMES)
+        ends = {role: (nodes[role].status(), nodes[role].last_error_lines()) for role in ROLE_NAMES}
+    assert all(status == 0 and 'Traceback' not in words for status, words in ends.values()), ends
 
 
 @pytest.mark.parametrize('number', SIGNALS)
@@ -120,12 +129,12 @@ def test_what_goes_wrong_after_a_signal_is_said_in_one_line(domain: int) -> None
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_experiment_leaves_nothing_running(
-    number: signal.Signals, shared_memory_of: Callable[..., set[Path]], tmp_path: Path
+    number: signal.Signals, leaving_nothing: Leaving, tmp_path: Path
 ) -> None:
     process = subprocess.Popen([*EXPERIMENT, tmp_path], stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert next(line for line in process.stderr if 'run 1 of 3' in line)
-    with leaving_nothing(process.pid, shared_memory_of):
+    with leaving_nothing(process.pid):
         process.send_signal(number)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 128 + number
@@ -133,7 +142,7 @@ def test_an_interrupted_experiment_leaves_nothing_running(
     assert all("complete: 'false'" in metadata.read_text() for metadata in tmp_path.glob('*/metadata.yaml'))
 
 
-def test_a_closed_terminal_stops_the_experiment(shared_memory_of: Callable[..., set[Path]], tmp_path: Path) -> None:
+def test_a_closed_terminal_stops_the_experiment(leaving_nothing: Leaving, tmp_path: Path) -> None:
     terminal, its_side = pty.openpty()
     process = subprocess.Popen(
         ['/usr/bin/setsid', '--ctty', *EXPERIMENT, tmp_path],
@@ -144,6 +153,6 @@ def test_a_closed_terminal_stops_the_experiment(shared_memory_of: Callable[..., 
     while b'run 1 of 3' not in seen:
         assert select.select([terminal], [], [], PATIENCE)[0]
         seen += os.read(terminal, 4096)
-    with leaving_nothing(process.pid, shared_memory_of):
+    with leaving_nothing(process.pid):
         os.close(terminal)
         assert process.wait(PATIENCE) == 128 + signal.SIGHUP

@@ -1,0 +1,155 @@
+"""`python -m kapitsa_ros.rig.fork_server SOCKET`: loads once what all nodes need, and forks a process for each.
+
+Before a fork there is nothing of DDS, and no other thread but LTTng's, which wait for a tracer. A request is a datagram
+with file descriptors: of a file with the request in JSON, of the node's parameters, of the pipe that becomes the node's
+stderr, and of a socket on which its process id, with a descriptor of the process, and at last its exit status are told.
+"""
+
+from __future__ import annotations
+
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import traceback
+import warnings
+from contextlib import suppress
+from importlib import import_module
+from typing import NoReturn
+
+import setproctitle
+
+from kapitsa_ros.ros.arguments import PARENT_OPTION
+from kapitsa_ros.ros.signals import leave_on_signals
+
+DESCRIPTORS = 4
+"""That come with a request."""
+START = b'start'
+"""The datagram of a request."""
+
+
+def serve(requests: socket.socket) -> None:
+    """Fork a node for each request, and tell how each ends, until the process that asks is gone or has no more to ask.
+
+    Nodes that still run then find that their parent is gone, and leave.
+    """
+    nodes: dict[int, tuple[int, int]] = {}
+    poll = select.poll()
+    poll.register(requests, select.POLLIN)
+    while True:
+        for descriptor, _ in poll.poll():
+            if descriptor == requests.fileno():
+                message, descriptors, _, _ = socket.recv_fds(requests, len(START), DESCRIPTORS)
+                if not message:
+                    return
+                if len(descriptors) < DESCRIPTORS:  # the system has no more for this process
+                    _close(descriptors)
+                    continue
+                *files, report = descriptors
+                try:
+                    pid, pidfd = _fork(files, requests)
+                except OSError:  # the system has no process or descriptor left; who has asked sees the end closed
+                    _close(descriptors)
+                    continue
+                _close(files)
+                _tell(report, str(pid), pidfd)
+                nodes[pidfd] = pid, report
+                poll.register(pidfd, select.POLLIN)
+            else:
+                poll.unregister(descriptor)
+                os.close(descriptor)
+                pid, report = nodes.pop(descriptor)
+                _tell(report, str(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))
+                os.close(report)
+
+
+def _tell(report: int, text: str, *descriptors: int) -> None:
+    """Send a datagram to whoever has asked for a node; who has closed it does not want to know."""
+    with socket.socket(fileno=os.dup(report)) as end, suppress(BrokenPipeError, ConnectionResetError):
+        socket.send_fds(end, [text.encode()], descriptors)
+
+
+def _fork(files: list[int], requests: socket.socket) -> tuple[int, int]:
+    """Make a process that becomes the node; return its id and a descriptor of it."""
+    parent = os.getpid()
+    with warnings.catch_warnings():
+        warnings.simplefilter('ignore', DeprecationWarning)  # Python 3.12 warns of LTTng's threads
+        pid = os.fork()
+    if not pid:
+        status = 1
+        try:
+            requests.detach()  # its destructor would close whatever has its number by then
+            status = _become_node(files, parent)
+        except BaseException:  # noqa: BLE001  # nothing of the server may go on in this process
+            traceback.print_exc()
+        _leave(status)
+    try:
+        return pid, os.pidfd_open(pid)
+    except OSError:
+        os.kill(pid, signal.SIGKILL)
+        os.waitpid(pid, 0)
+        raise
+
+
+def _become_node(files: list[int], parent: int) -> int:
+    from kapitsa_ros.nodes.__main__ import run_node  # noqa: PLC0415  # loaded long since
+
+    request, parameters, stderr = files
+    # A session of its own: Ctrl-C reaches the rig, which then ends its nodes in order.
+    os.setsid()
+    with open(os.dup(request), encoding='utf-8') as file:  # noqa: PTH123
+        asked = json.load(file)
+    null = os.open(os.devnull, os.O_RDWR)
+    for number, descriptor in enumerate((null, null, stderr)):
+        os.dup2(descriptor, number)
+    os.closerange(3, parameters)
+    os.closerange(parameters + 1, os.sysconf('SC_OPEN_MAX'))
+    ros = ['--ros-args', '--disable-external-lib-logs', '--params-file', f'/proc/self/fd/{parameters}']
+    arguments = [asked['role'], PARENT_OPTION, str(parent), *ros]
+    setproctitle.setproctitle(' '.join([sys.executable, '-m', 'kapitsa_ros.nodes', *arguments]))
+    setproctitle.setthreadtitle(asked['role'])  # for `top` and `pkill`
+    os.environ.clear()
+    os.environ.update(asked['environment'])
+    return run_node(arguments)
+
+
+def _close(descriptors: list[int]) -> None:
+    for descriptor in descriptors:
+        os.close(descriptor)
+
+
+def _leave(status: int) -> NoReturn:
+    sys.stderr.flush()
+    os._exit(status)
+
+
+def preload() -> None:
+    """Load what the nodes would each load for themselves: modules, message types, kernels."""
+    # Not above: the imports take a second, in which signals are heard already.
+    from kapitsa_ros.network.registry import NODE_NAMES, TOPICS  # noqa: PLC0415
+    from kapitsa_ros.network.typestore import load_type  # noqa: PLC0415
+    from kapitsa_ros.nodes.pendulum import load_kernels  # noqa: PLC0415
+    from kapitsa_ros.ros.qos import load_type_support  # noqa: PLC0415
+
+    for name in NODE_NAMES:
+        import_module(f'kapitsa_ros.nodes.{name}')
+    import_module('kapitsa_ros.ros.main')
+    for message_type in {topic.type for topic in TOPICS}:
+        load_type(message_type)
+        load_type_support(message_type)
+    load_kernels()
+    gc.collect()
+    gc.freeze()  # a collection in a node would copy the pages that all share
+
+
+if __name__ == '__main__':
+    leave_on_signals()
+    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
+    os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    with socket.socket(fileno=int(sys.argv[1])) as asking:
+        preload()
+        serve(asking)
+    _leave(0)

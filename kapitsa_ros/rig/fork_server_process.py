@@ -1,0 +1,110 @@
+"""The process that nodes are forked from: one a program, for all its rigs, as long as there is one."""
+
+from __future__ import annotations
+
+import json
+import socket
+import subprocess
+import sys
+import threading
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.rig.environment import node_environment
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.file_in_memory import file_in_memory
+from kapitsa_ros.rig.fork_server import START
+from kapitsa_ros.rig.forked_process import ForkedProcess
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+
+class ForkServerProcess:
+    """The process that nodes are forked from. It ends when it is closed, or with this program."""
+
+    def __init__(self) -> None:
+        self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self.users = 0
+        """Contexts of `fork_server` under way."""
+        with theirs:
+            self._process = subprocess.Popen(  # noqa: S603
+                [sys.executable, '-m', 'kapitsa_ros.rig.fork_server', str(theirs.fileno())],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                start_new_session=True,
+                pass_fds=(theirs.fileno(),),
+            )
+
+    @property
+    def pid(self) -> int:
+        """Process id: that of the parent of the nodes."""
+        return self._process.pid
+
+    def has_ended(self) -> bool:
+        """Whether it was ended by somebody else, and its nodes with it."""
+        return self._process.poll() is not None
+
+    def start(self, role: str, parameters: int, stderr: int, domain: int) -> ForkedProcess:
+        """Start a node.
+
+        Parameters
+        ----------
+        role
+            Executable and name of the node.
+        parameters, stderr
+            File descriptors of its parameters, and of the pipe it writes to.
+        domain
+            ROS domain.
+
+        Raises
+        ------
+        OSError, RigError
+            It cannot be started.
+
+        """
+        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with ExitStack() as failed_start:
+            failed_start.enter_context(ours)
+            request = {'role': role, 'environment': node_environment(domain)}
+            try:
+                with theirs, file_in_memory(json.dumps(request)) as file:
+                    socket.send_fds(self._requests, [START], [file.fileno(), parameters, stderr, theirs.fileno()])
+                started = ForkedProcess(ours)
+            except (BrokenPipeError, ConnectionResetError, EOFError):
+                how = 'has ended' if self.has_ended() else 'has no process or file descriptor left'
+                raise RigError(f'{role} cannot be started: what it is forked from, process {self.pid}, {how}') from None
+            failed_start.pop_all()
+        return started
+
+    def close(self) -> None:
+        """End it, and wait for its end."""
+        self._requests.close()
+        self._process.wait()
+
+
+_lock = threading.Lock()
+_shared: ForkServerProcess | None = None
+
+
+@contextmanager
+def fork_server() -> Iterator[ForkServerProcess]:
+    """Give the program's server, which lives as long as one of these contexts.
+
+    Several rigs one after the other start faster in a context of their own around all of them.
+    """
+    global _shared  # noqa: PLW0603  # there is one a program
+    with _lock:
+        if _shared is None or _shared.has_ended():
+            _shared = ForkServerProcess()
+        server = _shared
+        server.users += 1
+    try:
+        yield server
+    finally:
+        with _lock:
+            server.users -= 1
+            if not server.users:
+                server.close()
+                if _shared is server:
+                    _shared = None

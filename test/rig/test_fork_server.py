@@ -1,0 +1,75 @@
+"""Nodes are forked from one process: what it may hold, how nodes are known, what happens where it is killed."""
+
+import os
+import select
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from kapitsa_ros.network.registry import ROLE_NAMES
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig import Rig, RigError
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
+from kapitsa_ros.rig.node_group import NodeGroup
+
+PATIENCE = 60.0
+pytestmark = pytest.mark.xdist_group('harness')
+
+
+@pytest.fixture
+def own_server() -> Iterator[ForkServerProcess]:
+    """Give a server to be killed: a new one, where the tests of this process share another."""
+    with fork_server() as shared:
+        os.kill(shared.pid, signal.SIGKILL)
+        while not shared.has_ended():
+            time.sleep(0.01)
+        with fork_server() as server:
+            assert server.pid != shared.pid
+            yield server
+
+
+def test_before_a_fork_there_is_nothing_of_dds(domain: int, shared_memory_of: Callable[..., set[Path]]) -> None:
+    with fork_server() as server, NodeGroup(['strobe'], {}, domain) as nodes:
+        assert nodes['strobe'].wait_for_line('joins domain', PATIENCE)
+        assert shared_memory_of([nodes['strobe'].pid])
+        assert not shared_memory_of([server.pid])
+        links = {str(link.readlink()) for link in Path(f'/proc/{server.pid}/fd').iterdir()}
+        ports = {f'socket:[{line.split()[9]}]' for line in Path('/proc/net/udp').read_text().splitlines()[1:]}
+        assert not links & ports
+
+
+def test_a_node_is_known_by_its_role_and_has_its_own_domain() -> None:
+    with fork_server():
+        for role in ('strobe', 'analyser'):
+            with reserved_domain() as domain, NodeGroup([role], {}, domain) as nodes:
+                assert nodes[role].wait_for_line(f'joins domain {domain}', PATIENCE)
+                process = Path(f'/proc/{nodes[role].pid}')
+                assert (process / 'comm').read_text().strip() == role
+                assert f' -m kapitsa_ros.nodes {role} ' in (process / 'cmdline').read_text()
+
+
+def test_a_killed_server_ends_the_rig_and_its_nodes_in_order(own_server: ForkServerProcess) -> None:
+    with Rig(rate=1) as rig:
+        rig.wait_for('pendulum/motion')
+        watches = [os.pidfd_open(process.pid) for process in rig.processes.values()]
+        assert len(watches) == len(ROLE_NAMES)
+        os.kill(own_server.pid, signal.SIGKILL)
+        with pytest.raises(RigError, match='forked from was killed'):
+            rig.wait_for('stopwatch/reading')
+        for watch in watches:
+            assert select.select([watch], [], [], PATIENCE)[0]
+            os.close(watch)
+        [bag] = rig.bags.iterdir()
+        assert not RunBag(bag).complete
+    with Rig() as rig:
+        rig.wait_for('pendulum/motion')
+
+
+def test_a_server_that_is_gone_is_named(own_server: ForkServerProcess, domain: int) -> None:
+    os.kill(own_server.pid, signal.SIGKILL)
+    with open(os.devnull) as null, pytest.raises(RigError, match=f'pendulum cannot be started: .* {own_server.pid}'):  # noqa: PTH123
+        own_server.start('pendulum', null.fileno(), null.fileno(), domain)
