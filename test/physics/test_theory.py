@@ -123,6 +123,14 @@ def test_nonlinear_frequency_of_a_short_rod_near_its_upper_limit():
     assert theory.slow_frequency_nonlinear(plant, speed, 1e-5) == pytest.approx(linear, rel=1e-6)
 
 
+@pytest.mark.parametrize('rod', PLANTS)
+def test_a_plant_of_a_threshold_swings_as_the_one_it_was_taken_from(rod):
+    twin = theory.averaged.plant_of_threshold(theory.omega_crit_averaged(rod), rod.amplitude, rod.gravity, rod.damping)
+    speed = 2.0 * theory.omega_crit_averaged(rod)
+    assert theory.omega_crit_averaged(twin) == pytest.approx(theory.omega_crit_averaged(rod), rel=1e-14)
+    assert theory.slow_frequency_exact(twin, speed) == pytest.approx(theory.slow_frequency_exact(rod, speed), rel=1e-10)
+
+
 def test_averaged_frequency_does_not_exist_below_the_threshold():
     plant = Plant()
     assert theory.slow_frequency_averaged(plant, 0.999 * theory.omega_crit_averaged(plant)) is None

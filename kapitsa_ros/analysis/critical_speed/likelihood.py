@@ -9,8 +9,7 @@ import numpy as np
 from scipy.special import exprel, log_ndtr
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.physics.theory.averaged import period_steepness
+from kapitsa_ros.physics.theory.averaged import period_steepness, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler
+    from kapitsa_ros.physics.plant import Plant
 
 DAMPING_SIGMA = 0.5
 """1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
@@ -43,12 +43,8 @@ class Likelihood:
         self._slowing = np.zeros_like(evidence.timed.period)
 
     def plant(self, threshold: float, amplitude: float, damping: float) -> Plant:
-        """Return the plant of these parameters; its length is nominal, the inertia factor makes up for it.
-
-        Ω hangs on c² alone; a fit that strays below c = 0 on its way is not stopped there.
-        """
-        k = 2.0 * self._gravity / (amplitude * threshold) ** 2
-        return Plant(length=1.5, amplitude=amplitude, gravity=self._gravity, damping=abs(damping), inertia_factor=k)
+        """Return the plant of these parameters."""
+        return plant_of_threshold(threshold, amplitude, self._gravity, damping)
 
     def first_guess(self) -> float:
         """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""

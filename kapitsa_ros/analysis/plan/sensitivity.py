@@ -10,13 +10,14 @@ import numpy as np
 
 from kapitsa_ros.instruments.perfect_timing import swings_seen
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from kapitsa_ros.physics.plant import Plant
 
 _STEP = 1e-5  # relative, of the differences that stand for derivatives
 
@@ -66,8 +67,7 @@ def sensitivity(plant: Plant, speed: float, release: float, most_swings: int) ->
     threshold = omega_crit_averaged(plant)
 
     def log_period(threshold: float, amplitude: float, speed: float) -> float:
-        k = 2.0 * plant.gravity / (amplitude * threshold) ** 2
-        rod = Plant(length=1.5, amplitude=amplitude, gravity=plant.gravity, inertia_factor=k)
+        rod = plant_of_threshold(threshold, amplitude, plant.gravity)
         return -math.log(slow_frequency_exact(rod, speed) or math.nan)
 
     def slope(parameter: int) -> float:

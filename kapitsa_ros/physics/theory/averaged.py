@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, TypeVar
 
+from kapitsa_ros.physics.plant import Plant
+
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from kapitsa_ros.physics.plant import Plant
 
 
 _Speeds = TypeVar('_Speeds', 'float', 'NDArray[np.float64]')
@@ -18,6 +18,27 @@ _Speeds = TypeVar('_Speeds', 'float', 'NDArray[np.float64]')
 def omega_crit_averaged(plant: Plant) -> float:
     """Return the critical speed, rad/s: √(2g/k)/λ, which is (2/λ)√(gL/3) for the rod (report, eq. 8)."""
     return math.sqrt(2.0 * plant.gravity / plant.k) / plant.amplitude
+
+
+def plant_of_threshold(threshold: float, amplitude: float, gravity: float, damping: float = 0.0) -> Plant:
+    """Return a plant with this averaged critical speed: the inverse of `omega_crit_averaged`.
+
+    Its length is nominal, the inertia factor makes up for it: nothing but k tells rods apart.
+
+    Parameters
+    ----------
+    threshold
+        √(2g/k)/λ, rad/s.
+    amplitude
+        λ, m.
+    gravity
+        g, m/s².
+    damping
+        c, 1/s. Ω hangs on c² alone; a fit that strays below c = 0 on its way is not stopped there.
+
+    """
+    k = 2.0 * gravity / (amplitude * threshold) ** 2
+    return Plant(length=1.5, amplitude=amplitude, gravity=gravity, damping=abs(damping), inertia_factor=k)
 
 
 def period_steepness(plant: Plant, speed: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
