@@ -436,6 +436,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         person.press('up')
         await person.told('the nodes are starting')
         assert state.speed == 0
+        rig.processes['recorder'].end(signal.SIGCONT)
         await person.until(lambda: state.run)
         for key, typed, words in (
             ('s', '9000', '5000 RPM'),
@@ -465,6 +466,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         await person.until(lambda: person.app._exit)
 
     with Rig(rate=1, bags=tmp_path / 'bags') as rig:
+        rig.processes['recorder'].end(signal.SIGSTOP)  # until somebody has seen that nodes are starting
         error = in_front_of(rig, state, work)
     assert isinstance(error, RigError)
     assert 'stopwatch was killed by SIGKILL' in str(error)

@@ -6,6 +6,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -52,9 +53,11 @@ def test_a_node_is_known_by_its_role_and_has_its_own_domain() -> None:
                 assert f' -m kapitsa_ros.nodes {role} ' in (process / 'cmdline').read_text()
 
 
-def test_a_killed_server_ends_the_rig_and_its_nodes_in_order(own_server: ForkServerProcess) -> None:
+def test_a_killed_server_ends_the_rig_and_its_nodes_in_order(
+    own_server: ForkServerProcess, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
     with Rig(rate=1) as rig:
-        rig.wait_for('pendulum/motion')
+        eventually(lambda: list(rig.bags.iterdir()))
         watches = [os.pidfd_open(process.pid) for process in rig.processes.values()]
         assert len(watches) == len(ROLE_NAMES)
         os.kill(own_server.pid, signal.SIGKILL)
