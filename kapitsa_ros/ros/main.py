@@ -7,7 +7,7 @@ import os
 import sys
 import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
@@ -48,12 +48,14 @@ def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
     """
     arguments, parent = split_parent(arguments)
     role = arguments[0]
-    status, node, watchdog = FAILED, None, None
+    status, node, executor, watchdog = FAILED, None, None, None
     try:
         _start(arguments)
         node = _create(create)
         try:
-            _spin(node, parent)
+            executor = EventsExecutor()
+            executor.add_node(node)
+            _spin(node, executor, parent)
         finally:
             node.close()
         status = 0
@@ -76,6 +78,10 @@ def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
         hold_signals_back()
         if node is not None:
             watchdog = ShutdownWatchdog(PATIENCE, status)
+            if executor is not None:
+                executor.remove_node(node)
+                executor.shutdown()
+                executor = None  # in the destructor of one that outlives its context C++ aborts
             node.destroy_node()
         rclpy.try_shutdown()
         if watchdog is not None:
@@ -113,15 +119,10 @@ def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
     return node
 
 
-def _spin(node: DataflowNode, parent: int | None) -> None:
-    executor = EventsExecutor()
-    executor.add_node(node)
+def _spin(node: DataflowNode, executor: Any, parent: int | None) -> None:
     try:
         # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
         while not node.finished and rclpy.ok() and parent in (None, os.getppid()):
             executor.spin_once(timeout_sec=node.poll())
     finally:
-        executor.remove_node(node)
-        executor.shutdown()
-        # The traceback of an exception would keep it alive until the context is gone, and then its destructor aborts.
-        del executor
+        del executor  # which the traceback of an exception would keep alive

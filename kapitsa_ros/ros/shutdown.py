@@ -1,4 +1,4 @@
-"""Shutdown of a participant, which may hang in DDS: a watchdog, and a wait for discovery to come to rest.
+"""Shutdown of a participant, which may hang or abort in DDS: a watchdog, and a wait for discovery to come to rest.
 
 A participant that is taken down waits for discovery callbacks under way, with a deadline that overflows where libstdc++
 has to convert it (Fast DDS 2.14, DomainParticipantImpl::set_listener). Meeting one it spins for ever, and holds a lock
@@ -8,6 +8,8 @@ that the callback needs, and Python's. They meet when many leave at once, as at 
 from __future__ import annotations
 
 import ctypes
+import os
+import signal
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -37,8 +39,11 @@ class _Alarm(ctypes.Structure):
     _fields_ = tuple((name, ctypes.c_long) for name in ('every_s', 'every_ns', 'after_s', 'after_ns'))
 
 
+_Handler = ctypes.CFUNCTYPE(None, ctypes.c_int)
+
+
 class ShutdownWatchdog:
-    """Ends this process when some time has gone by, even if it hangs in C with Python's lock held.
+    """Ends this process when some time has gone by, even if it hangs in C with Python's lock held, or when C aborts.
 
     Parameters
     ----------
@@ -64,10 +69,15 @@ class ShutdownWatchdog:
             _CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(self._timer)
         ) or self._libc.timer_settime(self._timer, 0, ctypes.byref(alarm), None):
             raise OSError(ctypes.get_errno(), 'no timer')
+        # Where the thread that aborts waits for Python's lock in vain, the timer ends it.
+        self._abort = _Handler(lambda _: os._exit(status))
+        self._libc.signal.restype = ctypes.c_void_p
+        self._handler_before = ctypes.c_void_p(self._libc.signal(signal.SIGABRT, self._abort))
 
     def disarm(self) -> None:
         """Let the process live on: what could have hung has come back."""
         self._libc.timer_delete(self._timer)
+        self._libc.signal(signal.SIGABRT, self._handler_before)
 
 
 def wait_until_quiet(domain: int, patience: float) -> None:

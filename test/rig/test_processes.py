@@ -182,7 +182,7 @@ def test_a_slow_recorder_slows_the_rig_and_loses_nothing(recorded: Recorded, tmp
 def test_a_recorder_stopped_for_a_while_loses_nothing(
     recorded: Recorded, tmp_path: Path, domain: int, observer: SessionMonitor
 ) -> None:
-    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+    with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A', rate=5.0)), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         nodes['recorder'].end(signal.SIGSTOP)
         assert not nodes.wait(5.0), 'the session ended without its recorder'
@@ -199,6 +199,7 @@ from kapitsa_ros.ros.qos import STREAM
 rclpy.init()
 node = rclpy.create_node('echo')
 node.create_subscription(JointTrajectory, 'pendulum/motion', lambda _: print('.', end='', flush=True), STREAM)
+print('ready', flush=True)
 while not any(info.node_name == 'pendulum' for info in node.get_publishers_info_by_topic('pendulum/motion')):
     rclpy.spin_once(node, timeout_sec=0.01)
 print('They know each other', flush=True)
@@ -212,7 +213,10 @@ def test_somebody_elses_reader_that_hangs_is_named_once_and_loses_nothing(
     echo = subprocess.Popen([sys.executable, '-c', ECHO], env=node_environment(domain), stdout=subprocess.PIPE)
     assert echo.stdout is not None
     try:
-        with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes:
+        assert echo.stdout.readline() == b'ready\n'
+        # At a pace at which the rig is not through before the two know each other.
+        with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A', rate=5.0)), domain) as nodes:
+            assert select.select([echo.stdout], [], [], PATIENCE)[0]
             assert b'They know each other' in echo.stdout.readline()
             assert echo.stdout.read(10) == 10 * b'.'
             echo.send_signal(signal.SIGSTOP)
