@@ -8,7 +8,7 @@ import re
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,6 +22,9 @@ _LOCKED = re.compile(r'[0-9a-f]+:[0-9a-f]+:\d+')
 """Device and inode, as /proc/locks has them."""
 _NEW = 1.0
 """Seconds after which the maker of a lock has taken it."""
+_LOOK_PERIOD = 0.05
+"""Seconds between two looks at locks that are new."""
+State = Literal['owned', 'stale', 'new']
 
 
 @contextmanager
@@ -31,7 +34,12 @@ def removing_stale_segments() -> Iterator[None]:
     try:
         yield
     finally:
+        deadline = time.monotonic() + _NEW
         remove_stale_segments()
+        # A node that was killed soon after its start has left what may be just about to get its owner.
+        while segments_in_state('new') and time.monotonic() < deadline:
+            time.sleep(_LOOK_PERIOD)
+            remove_stale_segments()
 
 
 def remove_stale_segments() -> None:
@@ -44,25 +52,32 @@ def remove_stale_segments() -> None:
 
 def stale_segments() -> set[str]:
     """Return the names of the segments that have no owner."""
+    return segments_in_state('stale')
+
+
+def segments_in_state(state: State) -> set[str]:
+    """Return the names of the segments that have an owner, have lost him, or are so new that they may just get one."""
     if not _FOLDER.is_dir():
         return set()
     left = {match[1] for path in _FOLDER.iterdir() if (match := _SEGMENT.fullmatch(path.name))}
     # To try a lock takes it for a moment, in which its owner to be could not: so it is tried only where the list of
     # held ones, which may lack some while others come and go, does not name it.
     held = set(_LOCKED.findall(Path('/proc/locks').read_text(encoding='ascii')))
-    return {name for name in left if not _lives(_FOLDER / f'{name}{_LOCK}', held)}
+    return {name for name in left if _state(_FOLDER / f'{name}{_LOCK}', held) == state}
 
 
-def _lives(lock: Path, held: set[str]) -> bool:
-    """Tell whether a lock is held, or so new that it may be just about to be."""
+def _state(lock: Path, held: set[str]) -> State:
     try:
         file = lock.stat()
-        name = f'{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}:{file.st_ino}'
-        return name in held or time.time() - file.st_ctime < _NEW or _is_held(lock)
+        if f'{os.major(file.st_dev):02x}:{os.minor(file.st_dev):02x}:{file.st_ino}' in held:
+            return 'owned'
+        if time.time() - file.st_ctime < _NEW:
+            return 'new'
+        return 'owned' if _is_held(lock) else 'stale'
     except FileNotFoundError:
-        return False
+        return 'stale'
     except PermissionError:
-        return True  # somebody else's
+        return 'owned'  # by somebody else
 
 
 def _is_held(lock: Path) -> bool:
