@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
-from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 
@@ -21,6 +19,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed import Evidence
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
+    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.analysis.timing_row import TimingRow
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.physics.plant import Plant
 
@@ -33,6 +33,8 @@ class Experiment:
     """The best estimate: the exact curve fitted to all that was read."""
     interval: tuple[float | None, float | None] | None
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
+    timings: tuple[TimingRow, ...]
+    """Each timing and fall, as read and as taken; none where the motion was analysed instead."""
     discrepancy: float | None
     """Relative error of the periods beyond the stated ones that makes the runs agree (see `direct_fit`)."""
     inverse_ols: float | None
@@ -44,15 +46,13 @@ class Experiment:
 
     @property
     def error_percent(self) -> float | None:
-        """Of `omega_crit` against `predicted`, as Table 3 has it."""
-        return None if self.omega_crit is None else 100.0 * (self.omega_crit / self.predicted - 1.0)
+        """Of `inverse_ols` against `predicted`, as Table 3 has it."""
+        return _percent_off(self.inverse_ols, self.predicted)
 
-
-def readings_of(runs: Sequence[Run]) -> Readings:
-    """Table the runs in which both instruments gave a reading."""
-    read = [(run.speed_reading, run.period) for run in runs if run.speed_reading and run.period]
-    forcing, period = np.array(read, float).reshape(-1, 2).T
-    return Readings(forcing, period, np.zeros(len(read)), np.full(len(read), PERIOD_SIGMA))
+    @property
+    def deviation_percent(self) -> float | None:
+        """Of `omega_crit` against `truth`."""
+        return _percent_off(self.omega_crit, self.truth)
 
 
 def reduce_runs(runs: Sequence[Run]) -> Experiment:
@@ -65,7 +65,8 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
 
     """
     plant = plant_of(runs)
-    return _reduce(plant, readings_of(runs), lambda: evidence_of(runs))
+    rows = timing_rows(runs)
+    return _reduce(plant, evidence_of(rows), rows)
 
 
 def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_ESTIMATOR) -> tuple[Experiment, Readings]:
@@ -86,7 +87,7 @@ def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_EST
     """
     plant = plant_of([each.run for each in recorded])
     evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
-    return _reduce(plant, evidence.timed, lambda: evidence), evidence.timed
+    return _reduce(plant, evidence, ()), evidence.timed
 
 
 def plant_of(runs: Sequence[Run]) -> Plant:
@@ -111,20 +112,25 @@ def ideal_rod(plant: Plant) -> Plant:
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
 
 
-def _reduce(plant: Plant, readings: Readings, evidence: Callable[[], Evidence]) -> Experiment:
+def _reduce(plant: Plant, evidence: Evidence, timings: Sequence[TimingRow]) -> Experiment:
     try:
-        best = direct_fit(evidence(), Ruler(amplitude=plant.amplitude), plant.gravity)
+        best = direct_fit(evidence, Ruler(amplitude=plant.amplitude), plant.gravity)
     except NothingTimedError:
         best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
         discrepancy=None if best is None else best.discrepancy,
-        inverse_ols=_fit(fit_inverse_ols, readings),
-        ols=_fit(fit_ols, readings),
+        timings=tuple(timings),
+        inverse_ols=_fit(fit_inverse_ols, evidence.timed),
+        ols=_fit(fit_ols, evidence.timed),
         predicted=omega_crit_averaged(ideal_rod(plant)),
         truth=true_threshold(plant),
     )
+
+
+def _percent_off(value: float | None, reference: float | None) -> float | None:
+    return None if value is None or reference is None else 100.0 * (value / reference - 1.0)
 
 
 def _fit(fit: Callable[[Readings], LineFit], readings: Readings) -> float | None:

@@ -8,6 +8,7 @@ from kapitsa_ros.units import in_rpm
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.experiment import Experiment
+    from kapitsa_ros.analysis.timing_row import TimingRow
     from kapitsa_ros.network.run import Run
 
 
@@ -33,4 +34,23 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'predicted_rpm': in_rpm(experiment.predicted),
         'error_percent': experiment.error_percent,
         'truth_rpm': in_rpm(experiment.truth),
+        'deviation_percent': experiment.deviation_percent,
+        'timings': [timing_values(row) for row in experiment.timings],
+    }
+
+
+def timing_values(row: TimingRow) -> dict[str, Any]:
+    """Return what a timing was read as, and what it is taken for."""
+    return {
+        'run': row.run,
+        'speed_asked_rpm': in_rpm(row.speed_asked),
+        'speed_reading_rpm': in_rpm(row.speed_reading),
+        'speed_taken_rpm': in_rpm(row.speed),
+        'alias': None if row.alias is None else str(row.alias),
+        'release_rad': row.release,
+        'kind': row.kind,
+        'display_s': row.displayed,
+        'swings': row.swings,
+        'time_s': row.time,
+        'unused': row.unused,
     }

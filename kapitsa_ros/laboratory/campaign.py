@@ -17,6 +17,7 @@ from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.instruments.random_streams import random_stream
 
 if TYPE_CHECKING:
@@ -72,7 +73,7 @@ def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
     seeded = replace(experiment, seed=seed)
     slip = RULER_SIGMA * float(random_stream(seed, 'ruler', 0).standard_normal())
     ruler = Ruler(amplitude=experiment.plant.amplitude + slip)
-    evidence = evidence_of(seeded.runs())
+    evidence = evidence_of(timing_rows(seeded.runs()))
     try:
         fit: CriticalSpeed | None = direct_fit(evidence, ruler, experiment.plant.gravity)
     except NothingTimedError:

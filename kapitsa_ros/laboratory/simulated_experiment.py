@@ -45,9 +45,9 @@ class SimulatedExperiment:
 
     def runs(self) -> list[Run]:
         """Carry out the protocol."""
-        return [self._run(number, speed) for number, speed in enumerate(self.protocol.speeds, start=1)]
+        return [self._run(number, speeds) for number, speeds in enumerate(self.protocol.runs, start=1)]
 
-    def _run(self, number: int, speed: float) -> Run:
+    def _run(self, number: int, speeds: tuple[float, ...]) -> Run:
         clock = StepClock(_STEPS.step_ns)
         jigsaw = Jigsaw(amplitude=self.plant.amplitude)
         pendulum = Pendulum(self.plant)
@@ -55,7 +55,7 @@ class SimulatedExperiment:
         watch = Stopwatch(
             self.instruments.stopwatch, self.protocol.swings, random_stream(self.seed, 'stopwatch', number)
         )
-        operator = ScriptedOperator(self.protocol, speed, clock.step)
+        operator = ScriptedOperator(self.protocol, speeds, clock.step)
         commands = deque([operator.opening()] * _STEPS.in_flight)
         builder = RunBuilder(number, self._settings())
         for step in count():

@@ -12,8 +12,8 @@ from kapitsa_ros.physics.plant import Plant
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
+    from kapitsa_ros.network.timing import Timing
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,18 +29,10 @@ class Run:
     """Angle at which the pendulum was last held, rad; None: it never was."""
     readings: Mapping[str, tuple[Any, ...]]
     """What each instrument read, by role, in the order of the steps."""
+    timings: tuple[Timing, ...]
+    """What each release came to, in order."""
     complete: bool
     """Whether the end of the run was seen."""
-
-    @property
-    def speeds(self) -> tuple[StrobeReading, ...]:
-        """Readings of the strobe."""
-        return self.readings.get('strobe', ())
-
-    @property
-    def timings(self) -> tuple[StopwatchReading, ...]:
-        """Readings of the stopwatch."""
-        return self.readings.get('stopwatch', ())
 
     @property
     def plant(self) -> Plant:
@@ -61,15 +53,22 @@ class Run:
     @property
     def speed_reading(self) -> float | None:
         """The last reading of the strobe, rad/s; None where there was none."""
-        return self.speeds[-1].speed if self.speeds else None
+        speeds: tuple[StrobeReading, ...] = self.readings.get('strobe', ())
+        return speeds[-1].speed if speeds else None
 
     @property
     def period(self) -> float | None:
-        """Mean period of the slow swing over all timings that came to their end, s; None where none did."""
-        timed = [reading.displayed / reading.swings for reading in self.timings if reading.kind == 'timed']
-        return sum(timed) / len(timed) if timed else None
+        """Period of the slow swing as read, s: of the timings at the speed of the last one; None where none was timed.
+
+        By least squares, as the person would who adds up displays and swings of equal timings.
+        """
+        timed = [timing for timing in self.timings if timing.kind == 'timed' and timing.swings > 0]
+        same = [timing for timing in timed if timing.speed_asked == timed[-1].speed_asked]
+        if not same:
+            return None
+        return sum(each.swings * each.displayed for each in same) / sum(each.swings**2 for each in same)
 
     @property
     def fell(self) -> bool:
         """Whether the pendulum was seen to fall over."""
-        return any(reading.kind == 'fell' for reading in self.timings)
+        return any(timing.kind == 'fell' for timing in self.timings)

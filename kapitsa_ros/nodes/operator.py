@@ -93,7 +93,7 @@ class OperatorNode(StepNode):
             protocol = load_protocol(name)
         except ProtocolError as error:
             raise SettingError(f'parameter protocol: {error}') from error
-        return iter([partial(ScriptedOperator, protocol, speed, self._steps.step) for speed in protocol.speeds])
+        return iter([partial(ScriptedOperator, protocol, speeds, self._steps.step) for speeds in protocol.runs])
 
     def _heed(self, requests: Requests) -> Requests:
         """Take requests from their topics; refused ones are counted, and logged at intervals."""

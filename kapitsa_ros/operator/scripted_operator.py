@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.operator.command import Command
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
@@ -32,17 +32,17 @@ class ScriptedOperator:
     ----------
     protocol
         What to do.
-    speed
-        The speed of this run, rad/s.
+    speeds
+        Those of this run, rad/s.
     step
         Length of a communication step, s.
 
     """
 
-    def __init__(self, protocol: Protocol, speed: float, step: float) -> None:
+    def __init__(self, protocol: Protocol, speeds: Sequence[float], step: float) -> None:
         self._release = protocol.release
         self._repeats = protocol.repeats
-        self._speed = speed
+        self._speeds = tuple(speeds)
         self._patience = round((PATIENCE + SWING * protocol.swings) / step)
         self._catch = max(1, round(CATCH / step))
         self._script = self._perform()
@@ -61,23 +61,24 @@ class ScriptedOperator:
         return self._command
 
     def _perform(self) -> Iterator[Command]:
-        yield from self._until_read(0, Command(self._speed, self._release))
-        for repeat in range(self._repeats):
-            if repeat:
-                yield from [Command(self._speed, self._release)] * self._catch
-            yield from self._time()
-        yield Command(self._speed, None, end=True)
+        for speed in self._speeds:
+            yield from self._until_read(0, Command(speed, self._release))
+            for repeat in range(self._repeats):
+                if repeat:
+                    yield from [Command(speed, self._release)] * self._catch
+                yield from self._time(speed)
+        yield Command(self._speeds[-1], None, end=True)
 
-    def _time(self) -> Iterator[Command]:
+    def _time(self, speed: float) -> Iterator[Command]:
         """Let go and wait for the stopwatch; where friction stops the swing too soon, let go from farther out."""
         angle = self._release
         while True:
-            yield from self._until_read(1, Command(self._speed, None))
+            yield from self._until_read(1, Command(speed, None))
             reading = self._seen[1]
             angle *= FARTHER
             if reading is None or reading.kind != 'stopped' or abs(angle) > FARTHEST:
                 return
-            yield from [Command(self._speed, angle)] * self._catch
+            yield from [Command(speed, angle)] * self._catch
 
     def _until_read(self, instrument: int, command: Command) -> Iterator[Command]:
         """Repeat a command until the instrument gives a reading or patience ends."""

@@ -1,12 +1,12 @@
-import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 from scipy.stats import norm
 
 from kapitsa_ros.analysis.critical_speed import Bound, Evidence, Ruler, direct_fit, errors_in_variables
-from kapitsa_ros.analysis.critical_speed.evidence import undo_alias
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.strobe_alias import find_alias
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.tables import load_table
@@ -28,10 +28,13 @@ def periods(plant, release=0.12, speeds=SPEEDS):
     return np.array([2 * np.pi / slow_frequency_nonlinear(plant, speed, release) for speed in speeds])
 
 
+def of_timed(timed, release=0.12, **bounds):
+    size = timed.period.size
+    return Evidence(timed=timed, release=np.full(size, release), swings=np.full(size, 3.0), **bounds)
+
+
 def evidence(plant, sigma=1e-6, release=0.12, **bounds):
-    return Evidence(
-        timed=readings(SPEEDS, periods(plant, release), sigma), release=np.full(SPEEDS.size, release), **bounds
-    )
+    return of_timed(readings(SPEEDS, periods(plant, release), sigma), release, **bounds)
 
 
 @pytest.mark.parametrize(
@@ -48,7 +51,9 @@ def test_exact_periods_give_the_exact_threshold_whatever_the_rod(plant):
     speeds = omega_crit_exact(plant) * np.array([1.4, 1.8, 2.1])
     timed = readings(speeds, periods(plant, speeds=speeds), 1e-6)
     fit = direct_fit(
-        Evidence(timed=timed, release=np.full(timed.period.size, 0.12)), Ruler(amplitude=plant.amplitude), plant.gravity
+        of_timed(timed),
+        Ruler(amplitude=plant.amplitude),
+        plant.gravity,
     )
     truth = omega_crit_exact(plant)
     assert fit.omega_crit == pytest.approx(truth, rel=2e-5)
@@ -102,7 +107,8 @@ def test_falls_and_stands_narrow_the_interval():
 def test_periods_that_do_not_follow_the_curve_widen_the_interval():
     nudged = periods(IDEAL) * np.array([1.0 - 0.004, 1.0 + 0.003, 1.0 - 0.002])
     fit = direct_fit(
-        Evidence(timed=readings(SPEEDS, nudged, 1e-6), release=np.full(SPEEDS.size, 0.12)), Ruler(amplitude=0.0127)
+        of_timed(readings(SPEEDS, nudged, 1e-6)),
+        Ruler(amplitude=0.0127),
     )
     assert fit.chi_squared > 1000
     assert 0.002 < fit.discrepancy < 0.006
@@ -167,7 +173,10 @@ def test_one_speed_is_no_line_but_enough_with_a_ruler():
     timed = readings(SPEEDS[:1], periods(IDEAL)[:1], 0.01)
     with pytest.raises(TableError):
         errors_in_variables(timed)
-    fit = direct_fit(Evidence(timed=timed, release=np.full(timed.period.size, 0.12)), Ruler(amplitude=0.0127))
+    fit = direct_fit(
+        of_timed(timed),
+        Ruler(amplitude=0.0127),
+    )
     # Ω ≈ kλω/√2 far above the threshold, and ω_crit² = 2g/(kλ²)
     assert fit.omega_crit / RPM == pytest.approx(1354.8, abs=0.1)
     spread = (fit.interval[1] - fit.interval[0]) / (2 * norm.ppf(0.975)) / fit.omega_crit
@@ -176,17 +185,17 @@ def test_one_speed_is_no_line_but_enough_with_a_ruler():
 
 def test_without_a_timing_there_is_nothing_to_fit():
     with pytest.raises(AnalysisError, match='no swing was timed'):
-        direct_fit(Evidence(timed=readings([], []), release=np.empty(0)), Ruler(amplitude=0.0127))
+        direct_fit(of_timed(readings([], [])), Ruler(amplitude=0.0127))
 
 
 @pytest.mark.parametrize('ratio', [3 / 4, 2 / 3, 5 / 8, 3 / 2, 5 / 4, 1 / 3])
 def test_fooled_reading_is_undone(ratio):
     strobe = load_instruments('1997').strobe
-    assert undo_alias(ratio * 2506 * RPM, 2500 * RPM, strobe) == pytest.approx(2506 * RPM)
+    assert find_alias(ratio * 2506 * RPM, 2500 * RPM, strobe) == Fraction(ratio).limit_denominator(10)
 
 
 def test_reading_that_is_merely_wrong_is_left_alone():
     strobe = load_instruments('1997').strobe
-    assert undo_alias(2506 * RPM, 2500 * RPM, strobe) == 2506 * RPM
-    assert undo_alias(0.91 * 2500 * RPM, 2500 * RPM, strobe) == 0.91 * 2500 * RPM
-    assert math.isclose(undo_alias(2700 * RPM, 2500 * RPM, strobe), 2700 * RPM)
+    assert find_alias(2506 * RPM, 2500 * RPM, strobe) == 1
+    assert find_alias(0.91 * 2500 * RPM, 2500 * RPM, strobe) == 1
+    assert find_alias(2700 * RPM, 2500 * RPM, strobe) == 1

@@ -1,6 +1,7 @@
 """Runs as the graph and other recorders make them: what they lack is named, and each timing counts as it was read."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -9,10 +10,11 @@ from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.instruments.stopwatch import StopwatchReading
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.network.run import Run
+from kapitsa_ros.network.timing import Timing
 from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.units import RPM
 
@@ -41,18 +43,39 @@ def test_settings_that_do_not_describe_an_instrument_are_named(runs: list[Run]) 
 
 
 def test_runs_without_a_timing_have_no_critical_speed(runs: list[Run]) -> None:
-    untimed = [dataclasses.replace(run, readings={**run.readings, 'stopwatch': ()}) for run in runs]
+    untimed = [dataclasses.replace(run, timings=()) for run in runs]
     assert reduce_runs(untimed).omega_crit is None
 
 
-def test_each_timing_is_divided_by_its_own_swings(runs: list[Run]) -> None:
-    timings = tuple(
-        StopwatchReading(pressed_at=time, displayed=displayed, swings=swings, kind='timed')
-        for time, displayed, swings in ((5.0, 2.0, 3), (10.0, 4.0, 6))
-    )
-    run = dataclasses.replace(runs[0], readings={**runs[0].readings, 'stopwatch': timings})
+def timing(displayed: float, swings: int, **changed: object) -> Timing:
+    values = {'time': 9.0, 'kind': 'timed', 'speed_asked': 2240 * RPM, 'speed_reading': 2240 * RPM, 'release': 0.12}
+    return Timing(displayed=displayed, swings=swings, **{**values, **changed})
+
+
+def test_timings_of_unlike_numbers_of_swings_are_fitted_with_one_period(runs: list[Run]) -> None:
+    run = dataclasses.replace(runs[0], timings=(timing(2.0, 3), timing(4.0, 6)))
     assert run.period == pytest.approx(2.0 / 3.0)
-    assert evidence_of([run]).timed.period == pytest.approx([2.0 / 3.0])
+    assert evidence_of(timing_rows([run])).timed.period == pytest.approx([2.0 / 3.0])
+
+
+@pytest.mark.parametrize(
+    ('useless', 'why'),
+    [
+        (timing(2.0, 3, speed_asked=None), 'the speed was changed while it lasted'),
+        (timing(2.0, 3, speed_reading=None), 'no speed was read'),
+        (timing(2.0, 3, speed_reading=math.nan), 'the speed read is none'),
+        (timing(2.0, 3, speed_reading=-1.0), 'the speed read is none'),
+        (timing(2.0, 0), 'no full swing was counted'),
+        (timing(0.0, 3), 'the stopwatch showed no time'),
+        (timing(math.nan, 3), 'the stopwatch showed no time'),
+        (timing(0.0, 0, kind='fell', speed_asked=None), 'the speed was changed while it lasted'),
+    ],
+)
+def test_a_timing_of_which_nothing_follows_is_listed_and_says_why(runs: list[Run], useless: Timing, why: str) -> None:
+    with_it = dataclasses.replace(runs[0], timings=(*runs[0].timings, useless))
+    found = reduce_runs([with_it, runs[1]])
+    assert [row.unused for row in found.timings] == [None, why, None]
+    assert dataclasses.replace(found, timings=()) == dataclasses.replace(reduce_runs(runs), timings=())
 
 
 @pytest.mark.parametrize(

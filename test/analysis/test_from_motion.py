@@ -18,7 +18,7 @@ NOMINAL = Plant()
 
 def recorded(plant, rpm, duration=6.0, held=0.5):
     motion = Release(plant=plant, speed=rpm * RPM, angle=0.12).sampled(duration, 1000.0)
-    run = Run(number=1, settings={}, speed_asked=rpm * RPM, release=0.12, readings={}, complete=True)
+    run = Run(number=1, settings={}, speed_asked=rpm * RPM, release=0.12, readings={}, timings=(), complete=True)
     angle = np.concatenate((np.full(round(held * 1000), 0.12), motion.angle))
     return RecordedRun(name='run', run=run, time=np.arange(angle.size) * 1e-3, angle=angle)
 

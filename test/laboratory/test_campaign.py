@@ -4,6 +4,7 @@ import pytest
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -37,7 +38,7 @@ class Here:
 
 
 def test_blind_analysis_of_ideal_readings_sees_what_averaging_misses():
-    evidence = evidence_of(experiment(instruments='ideal').runs())
+    evidence = evidence_of(timing_rows(experiment(instruments='ideal').runs()))
     for speed, period in zip(evidence.timed.forcing, evidence.timed.period, strict=True):
         assert period == pytest.approx(2 * np.pi / slow_frequency_nonlinear(IDEAL, speed, 0.12), rel=1e-5)
     fit = direct_fit(evidence, Ruler(amplitude=IDEAL.amplitude))
@@ -46,7 +47,9 @@ def test_blind_analysis_of_ideal_readings_sees_what_averaging_misses():
 
 
 def test_friction_of_a_bearing_stays_within_the_interval():
-    fit = direct_fit(evidence_of(experiment(load_preset('bearing'), 'ideal').runs()), Ruler(amplitude=IDEAL.amplitude))
+    fit = direct_fit(
+        evidence_of(timing_rows(experiment(load_preset('bearing'), 'ideal').runs())), Ruler(amplitude=IDEAL.amplitude)
+    )
     assert fit.interval[0] < omega_crit_exact(load_preset('bearing')) < fit.interval[1]
 
 
@@ -60,13 +63,13 @@ def test_friction_the_curve_does_not_know_stays_within_the_interval(seed):
 
 def test_same_seed_same_readings_and_other_seeds_others():
     runs = [experiment(seed=seed).runs() for seed in (1, 1, 2)]
-    shown = [[(run.speeds, run.timings) for run in each] for each in runs]
+    shown = [[run.readings for run in each] for each in runs]
     assert shown[0] == shown[1] != shown[2]
 
 
 def test_runs_that_fall_are_bounds():
     protocol = Protocol(speeds=(1340 * RPM, 1370 * RPM, 2000 * RPM))
-    evidence = evidence_of(experiment(protocol=protocol).runs())
+    evidence = evidence_of(timing_rows(experiment(protocol=protocol).runs()))
     assert [bound.speed / RPM for bound in evidence.fell] == pytest.approx([1340], abs=12)
     assert evidence.timed.forcing / RPM == pytest.approx([1370, 2000], abs=15)
     fit = direct_fit(evidence, Ruler(amplitude=IDEAL.amplitude))
@@ -76,7 +79,7 @@ def test_runs_that_fall_are_bounds():
 
 def test_friction_that_stops_the_swing_is_a_bound_from_above():
     sticky = Plant(coulomb=3.0)
-    evidence = evidence_of(experiment(sticky, protocol=Protocol(speeds=(2240 * RPM,), swings=10)).runs())
+    evidence = evidence_of(timing_rows(experiment(sticky, protocol=Protocol(speeds=(2240 * RPM,), swings=10)).runs()))
     assert len(evidence.stood) == 1
     assert not evidence.timed.period.size
 
@@ -85,9 +88,9 @@ def test_settings_that_describe_no_instrument_are_refused():
     runs = experiment().runs()
     runs[0].settings['strobe']['instrument']['dial_resolution'] = 'ten'
     with pytest.raises(RunError, match='strobe'):
-        evidence_of(runs)
+        timing_rows(runs)
     with pytest.raises(RunError, match='no runs'):
-        evidence_of([])
+        timing_rows([])
 
 
 def test_outcomes_come_in_the_order_of_their_seeds_wherever_they_are_computed():
@@ -95,7 +98,7 @@ def test_outcomes_come_in_the_order_of_their_seeds_wherever_they_are_computed():
     assert [outcome.seed for outcome in here] == [1, 2, 3, 4, 5, 6]
     pooled = list(perform_all(experiment(), 6))
     assert [(o.omega_crit, o.interval) for o in pooled] == [(o.omega_crit, o.interval) for o in here]
-    assert here[0].inverse_ols == fit_inverse_ols(evidence_of(experiment().runs()).timed).omega_crit
+    assert here[0].inverse_ols == fit_inverse_ols(evidence_of(timing_rows(experiment().runs())).timed).omega_crit
 
 
 def test_experiment_without_a_timing_is_failed_and_not_wrong():

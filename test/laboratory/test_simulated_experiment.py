@@ -20,10 +20,10 @@ def test_the_graph_gives_the_readings_of_the_simulated_experiment(recorded):
         assert mine.plant == theirs.plant
         assert (mine.speed_asked, mine.release) == (theirs.speed_asked, theirs.release)
         # the shown times travel as whole nanoseconds
-        assert [(r.kind, r.swings, round(r.displayed, 6)) for r in mine.timings] == [
-            (r.kind, r.swings, round(r.displayed, 6)) for r in theirs.timings
+        assert [(r.kind, r.swings, round(r.displayed, 6)) for r in mine.readings['stopwatch']] == [
+            (r.kind, r.swings, round(r.displayed, 6)) for r in theirs.readings['stopwatch']
         ]
-        assert [r.speed for r in mine.speeds] == [r.speed for r in theirs.speeds]
+        assert [r.speed for r in mine.readings['strobe']] == [r.speed for r in theirs.readings['strobe']]
         for name in ('strobe', 'stopwatch'):
             assert mine.settings[name]['instrument'] == theirs.settings[name]['instrument']
     other = replace(experiment, seed=2).runs()

@@ -22,7 +22,7 @@ def timed(kind: str = 'timed') -> StopwatchReading:
 
 
 def test_speed_first_then_as_many_timings_as_asked() -> None:
-    operator = ScriptedOperator(Protocol(speeds=(SPEED,), release=0.12, repeats=2), SPEED, 0.1)
+    operator = ScriptedOperator(Protocol(speeds=(SPEED,), release=0.12, repeats=2), (SPEED,), 0.1)
     held, free = Command(SPEED, 0.12), Command(SPEED, None)
     assert operator.opening() == held
     assert [operator.command(None, None) for _ in range(9)] == [held] * 9
@@ -35,7 +35,7 @@ def test_speed_first_then_as_many_timings_as_asked() -> None:
 
 
 def test_a_swing_that_stopped_too_soon_is_tried_from_farther_out() -> None:
-    operator = ScriptedOperator(Protocol(speeds=(SPEED,), release=0.12), SPEED, 0.1)
+    operator = ScriptedOperator(Protocol(speeds=(SPEED,), release=0.12), (SPEED,), 0.1)
     operator.command(DIAL, None)
     angles = [operator.command(None, timed('stopped')).hold]
     for _ in range(2):
@@ -49,13 +49,13 @@ def test_a_swing_that_stopped_too_soon_is_tried_from_farther_out() -> None:
 
 
 def test_a_pendulum_that_fell_is_not_tried_again() -> None:
-    operator = ScriptedOperator(Protocol(speeds=(SPEED,)), SPEED, 0.1)
+    operator = ScriptedOperator(Protocol(speeds=(SPEED,)), (SPEED,), 0.1)
     operator.command(DIAL, None)
     assert operator.command(None, timed('fell')).end
 
 
 def test_patience_ends() -> None:
-    operator = ScriptedOperator(Protocol(speeds=(SPEED,)), SPEED, 1.0)
+    operator = ScriptedOperator(Protocol(speeds=(SPEED,)), (SPEED,), 1.0)
     commands = [operator.command(None, None) for _ in range(310)]
     assert not commands[290].end
     assert commands[-1].end

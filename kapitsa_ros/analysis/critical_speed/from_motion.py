@@ -45,6 +45,10 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
     fell: list[Bound] = []
     for recorded in runs:
         run = recorded.run
+        if any(timing.speed_asked != run.speed_asked for timing in run.timings):
+            raise AnalysisError(
+                f'{recorded.name}: the speed was changed in this run, its motion is of no single one: analyse readings'
+            )
         if run.fell:
             fell.append(Bound(speed=run.speed_asked, sigma=0.0, release=abs(run.release or 0.0)))
             continue
@@ -63,5 +67,6 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
     return Evidence(
         timed=Readings(forcing, period_column, np.zeros_like(forcing), sigma),
         release=np.zeros_like(forcing),
+        swings=np.ones_like(forcing),
         fell=tuple(fell),
     )

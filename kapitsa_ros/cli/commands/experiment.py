@@ -43,7 +43,7 @@ def experiment(
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
 
-    with shown_progress(len(load_protocol(protocol).speeds)) as on_progress:
+    with shown_progress(len(load_protocol(protocol).runs)) as on_progress:
         found = call(
             plant,
             instruments=instruments,

@@ -9,10 +9,11 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of, true_threshold
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
-from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, readings_of
+from kapitsa_ros.analysis.experiment import ideal_rod, plant_of
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -77,6 +78,8 @@ class Content:
 
     runs: tuple[RecordedRun, ...]
     plant: Plant
+    timed: Readings
+    """What the runs' instruments said, with the repairs that the estimates rest on."""
     of_1997: Readings
     estimates: tuple[Estimate, ...]
     predicted: float
@@ -99,15 +102,16 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     blind = [recorded.run for recorded in runs]
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
-    evidence = evidence_of(blind)
+    evidence = evidence_of(timing_rows(blind))
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.ptp(evidence.timed.forcing) > 0.0:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
     return Content(
         runs=tuple(runs),
         plant=plant,
+        timed=evidence.timed,
         of_1997=of_1997,
-        estimates=_estimates(evidence, readings_of(blind), nominal, of_1997),
+        estimates=_estimates(evidence, nominal, of_1997),
         predicted=omega_crit_averaged(nominal),
         truth=_truth(plant),
         verdicts=tuple(verdicts),
@@ -117,10 +121,10 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     )
 
 
-def _estimates(evidence: Evidence, written: Readings, nominal: Plant, theirs: Readings) -> tuple[Estimate, ...]:
-    """Fit the lines of 1997 to what was written down, the others to what is known of its errors too."""
+def _estimates(evidence: Evidence, nominal: Plant, theirs: Readings) -> tuple[Estimate, ...]:
+    """Fit lines and curve to the same rows."""
     line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
-    backward, forward = _or_none(fit_inverse_ols, written), _or_none(fit_ols, written)
+    backward, forward = _or_none(fit_inverse_ols, evidence.timed), _or_none(fit_ols, evidence.timed)
     curve = direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
     return (
         Estimate(

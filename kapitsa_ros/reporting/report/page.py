@@ -10,9 +10,8 @@ import matplotlib as mpl
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.experiment import ideal_rod, readings_of
+from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
@@ -46,10 +45,10 @@ def render(content: Content) -> str:
 
 
 def _figures(content: Content) -> list[Markup]:
-    ours = evidence_of([recorded.run for recorded in content.runs]).timed
+    ours = content.timed
     nominal = ideal_rod(content.plant)
     try:
-        line = fit_inverse_ols(readings_of([recorded.run for recorded in content.runs]))
+        line = fit_inverse_ols(ours)
     except TableError:
         line = None  # Figure 3 is without it, as Table 3 is
     measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))

@@ -1,0 +1,41 @@
+"""Several speeds in one run: each timing and each fall counts at its own speed."""
+
+import pytest
+
+from kapitsa_ros.analysis.experiment import Experiment, reduce_runs
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.units import RPM
+
+
+def found(*rpm: float, sweep: bool = True, repeats: int = 1, release: float = 0.12) -> Experiment:
+    protocol = Protocol(speeds=tuple(speed * RPM for speed in rpm), sweep=sweep, repeats=repeats, release=release)
+    experiment = SimulatedExperiment(plant=Plant(), instruments=load_instruments('ideal'), protocol=protocol, seed=1)
+    return reduce_runs(experiment.runs())
+
+
+def test_two_speeds_timed_in_one_run_give_what_two_runs_give() -> None:
+    swept, apart = found(2240, 2780), found(2240, 2780, sweep=False)
+    assert swept.omega_crit is not None
+    assert swept.omega_crit / RPM == pytest.approx(1354.8, abs=0.5)
+    assert swept.omega_crit == pytest.approx(apart.omega_crit, rel=1e-6)
+    assert swept.inverse_ols == pytest.approx(apart.inverse_ols, rel=1e-6)
+    assert [(row.run, round((row.speed or 0) / RPM)) for row in swept.timings] == [(1, 2240), (1, 2780)]
+
+
+def test_a_fall_at_the_second_speed_is_a_bound_there() -> None:
+    swept = found(2240, 1340)
+    assert [row.kind for row in swept.timings] == ['timed', 'fell']
+    assert [round((row.speed or 0) / RPM) for row in swept.timings] == [2240, 1340]
+    assert swept.omega_crit is not None
+    assert swept.interval is not None
+    assert swept.omega_crit / RPM == pytest.approx(1354.8, abs=0.5)
+    assert all(end is not None for end in swept.interval)
+
+
+def test_timings_at_one_reading_of_the_dial_are_one_row() -> None:
+    once, twice = found(2240, 2780), found(2240, 2780, repeats=2)
+    assert len(twice.timings) == 4
+    assert twice.omega_crit == pytest.approx(once.omega_crit, rel=1e-6)
