@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-def check_output(path: Path) -> None:
-    """Check that a file can be written.
+def check_output(path: Path, option: str = 'output') -> None:
+    """Check that a file can be written, to which the user has given a path by an option of this name.
 
     Raises
     ------
@@ -27,10 +27,10 @@ def check_output(path: Path) -> None:
     """
     folder = path.resolve().parent
     if not folder.is_dir():
-        raise OutputError(f'{OPTION}: there is no directory {path.parent}: make it first', option='output', value=path)
+        raise OutputError(f'{OPTION}: there is no directory {path.parent}: make it first', option=option, value=path)
     is_special = path.exists() and not path.is_file()
     if not os.access(path if path.exists() else folder, os.W_OK) or not (is_special or os.access(folder, os.W_OK)):
-        raise OutputError(f'{OPTION}: cannot be written; give a file you can write', option='output', value=path)
+        raise OutputError(f'{OPTION}: cannot be written; give a file you can write', option=option, value=path)
 
 
 @contextmanager

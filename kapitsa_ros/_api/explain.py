@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
-from kapitsa_ros._api.inputs import as_plant, as_readings
+from kapitsa_ros._api.inputs import as_plant, as_timings
 from kapitsa_ros._api.result import describe
+from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.explain import explain as rank
 from kapitsa_ros.data_frame import data_frame
 
@@ -71,7 +72,13 @@ def explain(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Explanati
     True
 
     """
-    ranking = rank(as_readings(readings), as_plant(plant))
+    table = as_timings(readings)
+    evidence = evidence_of(table.rows)
+    ranking = rank(evidence.timed, as_plant(plant))
+    untimed = len(evidence.fell) + len(evidence.stood)
+    passed_over = (f'{untimed} swings that were not timed have no period to explain',) if untimed else ()
     return Explanations(
-        explanations=ranking.explanations, indistinguishable=ranking.indistinguishable, warnings=ranking.warnings
+        explanations=ranking.explanations,
+        indistinguishable=ranking.indistinguishable,
+        warnings=(*table.warnings, *passed_over, *ranking.warnings),
     )

@@ -12,7 +12,7 @@ from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.configuration.tables import load_table
+from kapitsa_ros.configuration.tables import TimingTable, load_timings, table_of
 from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.physics.plant import Plant
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 AnyPlant: TypeAlias = 'Plant | str | Path | None'
 AnyInstruments: TypeAlias = 'Instruments | str | Path'
 AnyProtocol: TypeAlias = 'Protocol | str | Path'
-AnyReadings: TypeAlias = 'Readings | str | Path | tuple[Any, ...]'
+AnyReadings: TypeAlias = 'TimingTable | Readings | str | Path | tuple[Any, ...]'
 
 
 def as_plant(plant: AnyPlant) -> Plant:
@@ -45,7 +45,19 @@ def as_protocol(protocol: AnyProtocol) -> Protocol:
 
 
 def as_readings(readings: AnyReadings) -> Readings:
-    """Return readings: themselves, a table by name or path, or two to four columns.
+    """Return speeds and periods: themselves, of a table by name or path, or of two to four columns.
+
+    Raises
+    ------
+    TableError
+        It is no table, or its values are none that runs can have.
+
+    """
+    return readings if isinstance(readings, Readings) else as_timings(readings).readings
+
+
+def as_timings(readings: AnyReadings) -> TimingTable:
+    """Return a table: itself, one by name or path, or one of readings or of two to four columns.
 
     The columns are speeds, periods, and the standard errors of either, each an array or one value for all.
 
@@ -55,19 +67,23 @@ def as_readings(readings: AnyReadings) -> Readings:
         It is no table, or its values are none that runs can have.
 
     """
-    if isinstance(readings, Readings):
+    if isinstance(readings, TimingTable):
         return readings
+    if isinstance(readings, Readings):
+        return table_of(readings)
     if isinstance(readings, str | Path):
-        return load_table(readings)
+        return load_timings(readings)
     if not isinstance(readings, tuple) or not 2 <= len(readings) <= 4:
         raise TableError('readings: give a table by name or path, or the columns (speed, period), and their errors')
     forcing, period = to_si_array('speed', readings[0], 'rad/s'), to_si_array('period', readings[1], 's')
     errors: list[Any] = [*readings[2:], *(0.0, PERIOD_SIGMA)[len(readings) - 2 :]]
-    return Readings(
-        forcing=forcing,
-        period=period,
-        forcing_sigma=_column('speed_sigma', errors[0], 'rad/s', forcing),
-        period_sigma=_column('period_sigma', errors[1], 's', forcing),
+    return table_of(
+        Readings(
+            forcing=forcing,
+            period=period,
+            forcing_sigma=_column('speed_sigma', errors[0], 'rad/s', forcing),
+            period_sigma=_column('period_sigma', errors[1], 's', forcing),
+        )
     )
 
 

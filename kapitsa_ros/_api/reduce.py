@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros._api.inputs import as_plant, as_readings
+import numpy as np
+
+from kapitsa_ros._api.inputs import as_plant, as_readings, as_timings
 from kapitsa_ros._api.result import describe, figures, interval_text, speed_text
-from kapitsa_ros.analysis.critical_speed import errors_in_variables
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
+from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.quantities import to_si
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -21,29 +25,38 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.inputs import AnyPlant, AnyReadings
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.quantities import AnyQuantity
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Reduction:
-    """The critical speed by three lines; speeds in rad/s, None where there is no value."""
+    """The critical speed by the exact curve and by three lines; speeds in rad/s, None where there is no value."""
 
     readings: Readings
-    ols: float | None
-    """By least squares, Ω² on ω²."""
-    inverse_ols: float | None
-    """By least squares, ω² on Ω²: the fit of the report."""
-    eiv: float | None
-    """With errors in both readings."""
-    eiv_interval: tuple[float | None, float | None]
-    """95 % interval of `eiv`; an end that is None is unbounded."""
-    eiv_discrepancy: float | None
-    """Relative error of the periods beyond the stated ones that was allowed for; None where none reconciles them."""
-    slope_ratio: float
-    """Slope of the line over that of averaged theory."""
+    omega_crit: float
+    """By the exact curve: the best estimate."""
+    omega_crit_interval: tuple[float | None, float | None]
+    """95 % interval of `omega_crit`; an end that is None is unbounded."""
+    discrepancy: float | None
+    """Relative error of the periods beyond the stated ones that the curve needs; None where none reconciles them."""
     predicted: float
     """By averaged theory (report, eq. 8)."""
-    line: LineFit
-    """The line of `inverse_ols`."""
+    ols: float | None = None
+    """By least squares, Ω² on ω²."""
+    inverse_ols: float | None = None
+    """By least squares, ω² on Ω²: the fit of the report."""
+    eiv: float | None = None
+    """With errors in both readings."""
+    eiv_interval: tuple[float | None, float | None] = (None, None)
+    """95 % interval of `eiv`; an end that is None is unbounded."""
+    eiv_discrepancy: float | None = 0.0
+    """Relative error of the periods beyond the stated ones that was allowed for; None where none reconciles them."""
+    slope_ratio: float | None = None
+    """Slope of the line over that of averaged theory."""
+    line: LineFit | None = None
+    """The line of `inverse_ols`; None where all readings are at one speed."""
+    of_table: tuple[str, ...] = ()
+    """What in the table was not read."""
 
     @property
     def error_percent(self) -> float | None:
@@ -53,16 +66,17 @@ class Reduction:
     @property
     def warnings(self) -> tuple[str, ...]:
         """What is wrong with the readings."""
-        if self.eiv_discrepancy == 0.0:
-            return ()
-        finding = 'the readings lie farther from any line than their errors allow'
-        if self.eiv_discrepancy is None:
-            return (f'{finding}: they contradict one another, and bound nothing',)
-        return (f'{finding}: {100.0 * self.eiv_discrepancy:.2g} % of each period is added to its error',)
+        return (
+            *self.of_table,
+            *_finding('any line', self.eiv_discrepancy),
+            *_finding('the exact curve of any rod', self.discrepancy),
+        )
 
     def __repr__(self) -> str:
         return describe(
             f'Reduction of {self.readings.period.size} readings',
+            exact_curve=speed_text(self.omega_crit),
+            its_interval=interval_text(self.omega_crit_interval),
             ols=speed_text(self.ols),
             inverse_ols=speed_text(self.inverse_ols),
             errors_in_variables=speed_text(self.eiv),
@@ -73,8 +87,13 @@ class Reduction:
 
     def to_pandas(self) -> pd.DataFrame:
         """Return a row a line."""
-        rows = {'ordinary': self.ols, 'inverse': self.inverse_ols, 'errors in variables': self.eiv}
-        ends = [(None, None), (None, None), self.eiv_interval]
+        rows = {
+            'exact curve': self.omega_crit,
+            'ordinary': self.ols,
+            'inverse': self.inverse_ols,
+            'errors in variables': self.eiv,
+        }
+        ends = [self.omega_crit_interval, (None, None), (None, None), self.eiv_interval]
         columns: dict[str, list[float]] = {
             'omega_crit_rad_s': [_number(speed) for speed in rows.values()],
             'omega_crit_rpm': [_number(speed) / RPM for speed in rows.values()],
@@ -89,8 +108,10 @@ class Reduction:
         return figure
 
 
-def reduce(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Reduction:
-    """Reduce a table of readings to the critical speed, in the three ways a line can be drawn.
+def reduce(
+    readings: AnyReadings = '1997', plant: AnyPlant = None, *, amplitude_sigma: AnyQuantity = RULER_SIGMA
+) -> Reduction:
+    """Reduce a table of readings to the critical speed, by the exact curve and in the three ways a line can be drawn.
 
     Parameters
     ----------
@@ -98,6 +119,9 @@ def reduce(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Reduction:
         A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
     plant
         What theory predicts for: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
+        Its amplitude is what the ruler said, for the exact curve.
+    amplitude_sigma
+        Standard error of the ruler's word, m.
 
     Returns
     -------
@@ -117,19 +141,41 @@ def reduce(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Reduction:
     True
 
     """
-    table, rod = as_readings(readings), as_plant(plant)
-    forward, backward, weighed = fit_ols(table), fit_inverse_ols(table), errors_in_variables(table)
+    table, rod = as_timings(readings), as_plant(plant)
+    ruler = Ruler(amplitude=rod.amplitude, sigma=to_si('amplitude_sigma', amplitude_sigma, 'm'))
+    evidence = evidence_of(table.rows)
+    timed, line = evidence.timed, None
+    of_lines: dict[str, Any] = {}
+    if not timed.period.size or np.ptp(timed.forcing) > 0.0:
+        forward, line, weighed = fit_ols(timed), fit_inverse_ols(timed), errors_in_variables(timed)
+        of_lines = {
+            'ols': forward.omega_crit,
+            'inverse_ols': line.omega_crit,
+            'eiv': weighed.omega_crit,
+            'eiv_interval': weighed.interval,
+            'eiv_discrepancy': weighed.discrepancy,
+            'slope_ratio': ratio_to_theory(forward, rod),
+        }
+    best = direct_fit(evidence, ruler, rod.gravity)
     return Reduction(
-        readings=table,
-        ols=forward.omega_crit,
-        inverse_ols=backward.omega_crit,
-        eiv=weighed.omega_crit,
-        eiv_interval=weighed.interval,
-        eiv_discrepancy=weighed.discrepancy,
-        slope_ratio=ratio_to_theory(forward, rod),
+        readings=timed,
+        omega_crit=best.omega_crit,
+        omega_crit_interval=best.interval,
+        discrepancy=best.discrepancy,
         predicted=omega_crit_averaged(rod),
-        line=backward,
+        line=line,
+        of_table=table.warnings,
+        **of_lines,
     )
+
+
+def _finding(what: str, discrepancy: float | None) -> tuple[str, ...]:
+    if discrepancy == 0.0:
+        return ()
+    finding = f'the readings lie farther from {what} than their errors allow'
+    if discrepancy is None:
+        return (f'{finding}: they contradict one another, and bound nothing',)
+    return (f'{finding}: {100.0 * discrepancy:.2g} % of each period is added to its error',)
 
 
 def _number(value: float | None) -> float:

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.analysis.table import Readings
-from kapitsa_ros.configuration.tables import load_table
+from kapitsa_ros.configuration.tables import TimingTable, load_timings
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,10 +15,10 @@ if TYPE_CHECKING:
 class _Table(click.ParamType):  # type: ignore[type-arg]
     name = 'table'
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Readings:  # noqa: ARG002
-        return value if isinstance(value, Readings) else load_table(value)
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> TimingTable:  # noqa: ARG002
+        return value if isinstance(value, TimingTable) else load_timings(value)
 
 
 def table_argument(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Add the argument TABLE (by default the one of 1997); the command gets `readings`."""
-    return click.argument('readings', metavar='[TABLE]', type=_Table(), default='1997')(command)
+    """Add the argument TABLE (by default the one of 1997); the command gets `table`."""
+    return click.argument('table', metavar='[TABLE]', type=_Table(), default='1997')(command)

@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 
+_BLANK = ('', '', '')
+
+
 def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
     """Return the report's tables with a column of 1997 and a column of the rig."""
     return [_parameters(plant), _measurements(values), _critical_speed(values)]
@@ -39,15 +42,58 @@ def _measurements(values: Mapping[str, Any]) -> Table:
         (f'{omega / RPM:.0f}', f'{period:.2f}', f'{60 / period:.0f}')
         for omega, period in zip(readings.forcing, readings.period, strict=True)
     ]
-    runs = values['runs']
-    for number in range(max(len(report), len(runs))):
-        ours = ('', '', '')
-        if number < len(runs):
-            run = runs[number]
-            period = 'fell' if run['fell'] else _number(run['period_s'], '.3f')
-            ours = (_number(run['speed_reading_rpm'], '.1f'), period, _number(run['slow_rpm'], '.1f'))
-        table.add_row(str(number + 1), *(report[number] if number < len(report) else ('', '', '')), *ours)
+    theirs = iter(report)
+    ours = _timings(values)
+    runs = [row[0] for row in ours]
+    for index, (run, *measured) in enumerate(ours):
+        # Beside a run of 1997 stands the last timing of ours.
+        beside = next(theirs, _BLANK) if run not in runs[index + 1 :] else _BLANK
+        table.add_row(run, *beside, *measured)
+    for beside in theirs:
+        table.add_row('', *beside, *_BLANK)
     return table
+
+
+def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
+    """Return run, speed, period and slow speed of each timing as read; where the motion was analysed, of each run."""
+    if not values['timings']:
+        return [
+            (
+                str(number),
+                _number(run['speed_reading_rpm'], '.1f'),
+                'fell' if run['fell'] else _number(run['period_s'], '.3f'),
+                _number(run['slow_rpm'], '.1f'),
+            )
+            for number, run in enumerate(values['runs'], start=1)
+        ]
+    rows = []
+    for timing in values['timings']:
+        timed = timing['display_s'] and timing['swings']
+        period = timing['display_s'] / timing['swings'] if timed else None
+        rows.append(
+            (
+                str(timing['run']),
+                _number(timing['speed_reading_rpm'], '.1f'),
+                timing['kind'] if period is None else f'{period:.3f}',
+                '' if period is None else f'{60.0 / period:.1f}',
+            )
+        )
+    return rows
+
+
+def repairs(values: Mapping[str, Any]) -> list[str]:
+    """Return what was repaired or left out of the readings, a sentence each."""
+    said = []
+    for timing in values['timings']:
+        if timing['unused'] is not None:
+            said.append(f'run {timing["run"]}: {timing["kind"]}, left out: {timing["unused"]}')
+        elif timing['alias'] is not None:
+            said.append(
+                f'run {timing["run"]}: read {timing["speed_reading_rpm"]:.1f} RPM, '
+                f'taken as {timing["speed_taken_rpm"]:.1f} RPM: alias {timing["alias"]} '
+                f'({timing["speed_asked_rpm"]:.0f} RPM was asked for)'
+            )
+    return list(dict.fromkeys(said))
 
 
 def _critical_speed(values: Mapping[str, Any]) -> Table:
@@ -59,8 +105,7 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
         table.add_row(label, _number((fitted[key] or 0) / RPM, '.1f', ' RPM'), _number(values[key], '.1f', ' RPM'))
     table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))
     error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
-    ours = None if values['inverse_rpm'] is None else 100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1)
-    table.add_row('error', f'{error:.1f} %', _number(ours, '.1f', ' %'))
+    table.add_row('error', f'{error:.1f} %', _number(values['error_percent'], '.1f', ' %'))
     table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
     interval = interval_text(values['omega_crit_interval_rpm'] or (None, None), '{:.0f}'.format)
     table.add_row('its 95 % interval', '', f'{interval} RPM')
@@ -69,6 +114,7 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
             'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
         )
     table.add_row('exact threshold of the plant simulated', '', _number(values['truth_rpm'], '.2f', ' RPM'))
+    table.add_row('deviation of the best estimate from it', '', _number(values['deviation_percent'], '+.2f', ' %'))
     return table
 
 

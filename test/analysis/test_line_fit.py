@@ -1,10 +1,13 @@
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols, slope_ratio
 from kapitsa_ros.analysis.table import Readings
-from kapitsa_ros.configuration.tables import load_table, read_table
+from kapitsa_ros.analysis.timing_row import TimingRow
+from kapitsa_ros.configuration.tables import load_table, read_table, read_timings, write_timings
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
@@ -74,11 +77,59 @@ def test_errors_default_and_are_read(tmp_path):
         ('forcing_rpm,period_s\n2240,1,00\n2640,0,75\n', 'row 1 .*with a point'),
         ('forcing_rpm;period_s\n2240;1.0\n', 'by commas'),
         ('forcing_rpm,period_s,period_s\n2240,1.0,2.0\n', 'more than one column period_s'),
+        ('forcing_rpm,period_s\n2240,1.0\n,\n2640,\n', "row 2: period_s is ''"),
+        (
+            'forcing_rpm,period_s,kind\n2240,1.0,timed\n1300,,stood\n',
+            "row 2: kind is 'stood': write one",
+        ),
+        ('forcing_rpm,period_s,kind\n1300,1.0,fell\n', 'row 1: .* has no period_s'),
+        ('forcing_rpm,period_s,swings\n2240,1.0,2.5\n', 'row 1: swings is 2.5: give a whole number'),
+        ('forcing_rpm,period_s,alias\n2240,1.0,2/0\n', "row 1: alias is '2/0': write a ratio"),
+        ('forcing_rpm,period_s,release_rad\n2240,1.0,seven\n', "row 1: release_rad is 'seven'"),
     ],
 )
 def test_tables_that_cannot_be_used_say_why(tmp_path, text, message):
     with pytest.raises(TableError, match=message):
         read_table(table(tmp_path, text))
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        'forcing_rpm,period_s,,\n2240,1.00,,\n2640,0.75,,\n2780,0.68,,\n',
+        'forcing_rpm,period_s\n2240,1.00\n,\n2640,0.75\n2780,0.68\n,\n,,,\n',
+        ',forcing_rpm,,period_s\n,2240,,1.00\n,2640,,0.75\n,2780,,0.68\n',
+    ],
+)
+def test_empty_cells_that_a_spreadsheet_leaves_are_not_there(tmp_path, of_1997, text):
+    assert read_timings(table(tmp_path, text)).readings.period.tolist() == of_1997.period.tolist()
+
+
+def test_a_column_that_is_not_read_is_named(tmp_path):
+    read = read_timings(table(tmp_path, 'forcing_rpm,period_s,remark,forcing_sigma_RPM\n2240,1.0,windy,6\n'))
+    [warning] = read.warnings
+    assert 'not read: column remark, forcing_sigma_RPM' in warning
+
+
+def test_what_is_written_is_read_back(tmp_path):
+    rows = [
+        TimingRow(
+            kind='timed', speed=2640 * RPM, speed_sigma=5 * RPM, period=0.715, period_sigma=0.033,
+            speed_asked=2640 * RPM, speed_reading=1760 * RPM, alias=Fraction(2, 3), release=-0.12, swings=3,
+            displayed=2.14, time=7.1, run=2,
+        ),
+        TimingRow(kind='fell', speed=1340 * RPM, speed_sigma=5 * RPM, release=0.12, swings=0, run=3),
+        TimingRow(kind='timed', speed=None, run=4, unused='no speed was read'),
+    ]  # fmt: skip
+    path = tmp_path / 'timings.csv'
+    write_timings(path, rows)
+    timed, fell = read_timings(path).rows
+    assert [fell.kind, fell.period, fell.release, fell.swings, fell.run] == ['fell', None, 0.12, 0, 3]
+    assert timed.speed == pytest.approx(2640 * RPM, rel=1e-15)
+    assert timed.speed_reading == pytest.approx(1760 * RPM, rel=1e-15)
+    exact = ('kind', 'period', 'period_sigma', 'alias', 'release', 'swings', 'displayed', 'time', 'run', 'unused')
+    assert [getattr(timed, name) for name in exact] == [getattr(rows[0], name) for name in exact]
+    assert '# left out: run 4, timed: no speed was read' in path.read_text()
 
 
 def test_file_that_is_not_there(tmp_path):

@@ -8,7 +8,7 @@ from kapitsa_ros.cli.commands.reduce import reduce
 
 KEYS = {
     'ols_rpm', 'inverse_rpm', 'eiv_rpm', 'eiv_interval_rpm', 'eiv_discrepancy_percent', 'slope_ratio', 'predicted_rpm',
-    'error_percent',
+    'error_percent', 'omega_crit_rpm', 'omega_crit_interval_rpm', 'discrepancy_percent',
 }  # fmt: skip
 
 
@@ -62,6 +62,26 @@ def test_runs_that_contradict_are_refused(tmp_path):
 
 def test_other_rods_have_other_predictions():
     assert json.loads(run('--amplitude', '0.375in', '--json'))['predicted_rpm'] == pytest.approx(1804.08, abs=0.01)
+
+
+def test_the_timings_of_bags_reduce_to_what_the_bags_do(request, tmp_path, kapitsa):
+    bags = sorted((request.config.rootpath / 'bags').glob('run_*'))
+    table = tmp_path / 'timings.csv'
+    from_bags = kapitsa('analyse', *bags, '--table', table, '--json').json
+    from_table = kapitsa('reduce', table, '--json').json
+    for key in ('omega_crit_rpm', 'inverse_rpm', 'ols_rpm', 'predicted_rpm', 'error_percent'):
+        assert from_table[key] == pytest.approx(from_bags[key], rel=1e-9)
+    assert from_table['omega_crit_interval_rpm'] == pytest.approx(from_bags['omega_crit_interval_rpm'], rel=1e-6)
+
+
+def test_one_speed_has_a_curve_and_no_line(tmp_path):
+    table = tmp_path / 'one.csv'
+    table.write_text('forcing_rpm,period_s,release_rad,kind\n2240,0.6105,0.12,timed\n1300,,0.12,fell\n')
+    values = json.loads(run(str(table), '--json'))
+    assert values['ols_rpm'] is values['inverse_rpm'] is values['error_percent'] is None
+    low, high = values['omega_crit_interval_rpm']
+    assert 1290 < low < values['omega_crit_rpm'] < high
+    assert 'exact curve' in run(str(table))
 
 
 def test_missing_file_is_named_as_it_was_given():

@@ -24,6 +24,7 @@ DAMPING_SIGMA = 0.5
 
 FLOOR = 1e-5
 """Relative error below which no reading is trusted."""
+_NO_ROD = 1e8  # standard errors
 _NO_SWING = 1e-3  # rad/s, stands for no slow frequency at all
 
 
@@ -65,9 +66,15 @@ class Likelihood:
             self._slowing[index] = 1.0 - wide / _frequency(plant, speed)
 
     def residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
-        """Return them for the timed runs, the falls and stands, the ruler and the damping."""
+        """Return them for the timed runs, the falls and stands, the ruler and the damping.
+
+        Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
+        """
         timed = self._evidence.timed
-        plant = self.plant(threshold, amplitude, damping)
+        try:
+            plant = self.plant(threshold, amplitude, damping)
+        except PhysicsError:
+            return np.full(timed.period.size + len(self._evidence.fell) + len(self._evidence.stood) + 2, _NO_ROD)
         small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
         slow = small * (1.0 - self._slowing * self._wane(damping))
         steepness = period_steepness(plant, timed.forcing, timed.slow)

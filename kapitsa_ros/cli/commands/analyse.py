@@ -7,9 +7,12 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
+from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.cli.options import json_option, warn_of_repeats
 from kapitsa_ros.cli.show_result import show_result
+from kapitsa_ros.configuration.tables import write_timings
 from kapitsa_ros.errors import OPTION
+from kapitsa_ros.output_file import check_output
 from kapitsa_ros.rig.errors import UsageError
 
 
@@ -21,8 +24,9 @@ from kapitsa_ros.rig.errors import UsageError
     type=click.Choice(list(ESTIMATORS)),
     help=f'of the slow frequency, with --motion  [default: {DEFAULT_ESTIMATOR}]',
 )
+@click.option('--table', type=click.Path(path_type=Path), help='CSV file for the timings, as `kapitsa reduce` takes it')
 @json_option
-def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, as_json: bool) -> None:
+def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, table: Path | None, as_json: bool) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
@@ -31,6 +35,10 @@ def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, as_js
         raise UsageError(
             f'{OPTION}: a blind analysis takes the readings: give --motion too', option='estimator', value=estimator
         )
+    if table is not None:
+        check_output(table, 'table')
     warn_of_repeats(bags)
     values = analyse_bags(bags) if blind else analyse_motions(bags, estimator or DEFAULT_ESTIMATOR)
+    if table is not None:
+        write_timings(table, timing_rows([RunBag(bag).run for bag in bags]))
     show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)

@@ -15,7 +15,7 @@ from kapitsa_ros.units import interval_text
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.explain import Explanation
-    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.physics.plant import Plant
 
 
@@ -23,12 +23,12 @@ if TYPE_CHECKING:
 @table_argument
 @plant_options
 @json_option
-def explain(readings: Readings, plant: Plant, *, as_json: bool) -> None:
+def explain(table: TimingTable, plant: Plant, *, as_json: bool) -> None:
     """Rank the causes that could have made the periods of TABLE (by default that of 1997) what they are.
 
     The plant's options say what it should have been.
     """
-    verdict = call(readings, plant)
+    verdict = call(table, plant)
     for warning in verdict.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
     if as_json:

@@ -15,7 +15,7 @@ from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.plan import Separation
-    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
@@ -41,7 +41,7 @@ _NAMES = click.Choice([cause.name for cause in CAUSES])
 @instrument_options
 @json_option
 def plan(
-    readings: Readings,
+    table: TimingTable,
     *,
     target: float,
     release: float,
@@ -61,7 +61,7 @@ def plan(
         release=release,
         max_speed=max_speed,
         between=between,
-        readings=readings,
+        readings=table,
         instruments=instruments,
     )
     deciding = found.separation
