@@ -48,6 +48,8 @@ class Simulation:
     periods: float | None
     """Slow periods swung."""
     fell: bool
+    falls: bool
+    """Whether it fell, or would if it were followed for longer."""
     stuck: bool
     """Friction held it when the run ended."""
 
@@ -66,6 +68,7 @@ class Simulation:
             slow=speed_text(self.slow),
             growth='none' if self.growth is None else f'{self.growth:.3g} 1/s',
             end='fell' if self.fell else f'{self.angle[-1]:.6g} rad' + ', stuck' * self.stuck,
+            unstable='it would fall' if self.falls and not self.fell else 'no',
         )
 
     def to_pandas(self) -> pd.DataFrame:
@@ -154,6 +157,7 @@ def simulate(
         growth=slow.growth,
         periods=slow.periods,
         fell=motion.fell,
+        falls=slow.falls or motion.fell,
         stuck=isinstance(motion, Trajectory) and motion.stuck,
     )
 

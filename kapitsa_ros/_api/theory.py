@@ -11,6 +11,7 @@ from kapitsa_ros._api.inputs import as_plant
 from kapitsa_ros._api.result import describe, figures, plant_text, speed_text, speeds_text
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.physics import theory as physics
+from kapitsa_ros.physics.limits import FASTEST, check_forcing
 from kapitsa_ros.quantities import to_si, to_si_array
 from kapitsa_ros.units import RPM
 
@@ -136,8 +137,9 @@ def theory(plant: AnyPlant = None, *, speed: AnyQuantities = (), release: AnyQua
 
 def _at_one(plant: Plant, speed: float) -> dict[str, Any]:
     """Ask the functions for one speed, which raise where there is no answer."""
+    check_forcing(speed)
     answers: dict[str, Any] = {
-        'mathieu_a': physics.mathieu_a(plant, speed) if speed else np.nan,
+        'mathieu_a': physics.mathieu_a(plant, speed),
         'stable': physics.is_stable(plant, speed),
         'slow': physics.slow_frequency_exact(plant, speed),
         'slow_averaged': physics.slow_frequency_averaged(plant, speed),
@@ -148,13 +150,13 @@ def _at_one(plant: Plant, speed: float) -> dict[str, Any]:
 
 def _at_many(plant: Plant, speeds: NDArray[np.float64]) -> dict[str, Any]:
     slow, growth = (curve.reshape(speeds.shape) for curve in physics.floquet_curves(plant, speeds.ravel()))
-    possible = np.isfinite(speeds) & (speeds > 0)
+    possible = (speeds > 0) & (speeds <= FASTEST)
     with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
         a = np.where(possible, physics.mathieu_a(plant, speeds), np.nan)
         averaged = np.where(possible, np.sqrt(physics.slow_squared_averaged(plant, speeds)), np.nan)
     warnings = []
     if wrong := int(np.count_nonzero(~possible)):
-        warnings.append(f'{wrong} of {speeds.size} speeds are not finite and above 0 rad/s')
+        warnings.append(f'{wrong} of {speeds.size} speeds are not above 0 and at most {FASTEST:g} rad/s')
     if lost := int(np.count_nonzero(possible & np.isnan(growth))):
         warnings.append(
             f'at {lost} of {speeds.size} speeds the rod falls too fast within one turn for double precision'

@@ -11,6 +11,7 @@ import numpy as np
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels import layout
 from kapitsa_ros.physics.kernels.cosine import TOO_MANY_EVENTS, advance_cosine
+from kapitsa_ros.physics.limits import MOST_TURNS, check_forcing
 from kapitsa_ros.physics.step_size import longest_step, steps_per_turn, whole_samples
 
 if TYPE_CHECKING:
@@ -77,8 +78,7 @@ class Release:
     """Take θ for sin θ (report, eq. 2)."""
 
     def __post_init__(self) -> None:
-        if not 0 < self.speed < math.inf:
-            raise ParameterError(f'speed is {self.speed} rad/s: give a finite speed above 0')
+        check_forcing(self.speed)
         if not abs(self.angle) < STOP:
             raise ParameterError(f'release angle is {self.angle} rad: it must lie within ±π/2')
         if not math.isfinite(self.phase):
@@ -119,6 +119,11 @@ class Release:
 
     def _follow(self, legs: list[_Leg]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the motion over the last leg and the state it ends in; a wild swing takes shorter steps."""
+        turns = sum(leg.turns * leg.samples for leg in legs)
+        if turns > MOST_TURNS:
+            raise ParameterError(
+                f'the shaft turns {turns:.2g} times, at most {MOST_TURNS:g} can be followed: reduce duration or speed'
+            )
         constants = layout.constants(self.plant, stop=STOP, linear=self.linear)
         for refinement in REFINEMENTS:
             state = layout.state_at_rest(self.angle, self.plant.clearance)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.flexible_rod import simulate_flexible
-from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.floquet import is_stable, slow_frequency_exact
 from kapitsa_ros.physics.theory.floquet_amplitude import mean_growth, mean_turn, slow_amplitude
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
@@ -33,6 +34,8 @@ class RunSummary:
     """Of the slow amplitude, 1/s: the mean of d ln A/dt while it swings, or while it begins to fall."""
     periods: float | None
     """Slow periods swung."""
+    falls: bool
+    """Whether it fell or would fall, if it were watched for longer: upright is not stable, or the release too wide."""
 
 
 def summarise_run(release: Release, duration: float, bending: BendingMode | None = None) -> RunSummary:
@@ -56,24 +59,33 @@ def summarise_run(release: Release, duration: float, bending: BendingMode | None
     else:  # once a turn, though not at the bottom: that neither turns nor stretches the slow motion
         orbit = simulate_flexible(release, bending, max(turns, 1) * turn, 1.0 / turn)
     amplitude = slow_amplitude(plant, speed, orbit.angle, orbit.rate)
+    falls = orbit.fell or (bending is None and not is_stable(plant, speed))
     swinging = amplitude[
-        : _end(np.abs(orbit.angle) < SMALL if orbit.fell else np.abs(amplitude) > ALIVE * abs(amplitude[0]))
+        : _end(np.abs(orbit.angle) < SMALL if falls else np.abs(amplitude) > ALIVE * abs(amplitude[0]))
     ]
     growth = mean_growth(swinging) / turn if swinging.size > 2 else None
-    if orbit.fell or release.angle == 0:
-        return RunSummary(frequency=None, growth=growth, periods=None)
-
-    rigid = bending is None
-    if rigid and release.linear and plant.linearly_damped:
-        frequency = slow_frequency_exact(plant, speed)
-    elif rigid and plant.conservative:
-        frequency = slow_frequency_nonlinear(plant, speed, release.angle, release.phase)
-    else:
-        frequency = mean_turn(swinging) / turn if swinging.size > 2 else None
+    frequency = None
+    if not falls and release.angle != 0:
+        try:
+            frequency = _frequency(release, swinging, turn, rigid=bending is None)
+        except PhysicsError:
+            falls = True
     if frequency is None:
-        return RunSummary(frequency=None, growth=growth, periods=None)
+        return RunSummary(frequency=None, growth=growth, periods=None, falls=falls)
     watched = duration if swinging.size == amplitude.size else swinging.size * turn
-    return RunSummary(frequency=frequency, growth=growth, periods=frequency * watched / (2.0 * math.pi))
+    periods = frequency * watched / (2.0 * math.pi)
+    return RunSummary(frequency=frequency, growth=growth, periods=periods, falls=False)
+
+
+def _frequency(release: Release, swinging: NDArray[np.complex128], turn: float, *, rigid: bool) -> float | None:
+    if rigid and release.linear and release.plant.linearly_damped:
+        return slow_frequency_exact(release.plant, release.speed)
+    if rigid and release.plant.conservative:
+        return slow_frequency_nonlinear(release.plant, release.speed, release.angle, release.phase)
+    if swinging.size < 3:
+        return None
+    expected = slow_frequency_exact(release.plant, release.speed)
+    return mean_turn(swinging, math.pi if expected is None else expected * turn) / turn
 
 
 def _end(holds: NDArray[np.bool_]) -> int:

@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.physics.limits import MOST_SAMPLES
 
 if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant
@@ -31,11 +32,15 @@ def whole_samples(duration: float, sample_rate: float) -> int:
     Raises
     ------
     ParameterError
-        Not one, or a value is not finite.
+        Not one, more than memory holds, or a value is not finite.
 
     """
     if 0 < sample_rate < math.inf and 0 < duration < math.inf:
         count = math.floor(duration * sample_rate * (1.0 + 1e-12))
+        if count > MOST_SAMPLES:
+            raise ParameterError(
+                f'{duration} s at {sample_rate} Hz: more than {MOST_SAMPLES:,} samples, reduce duration or sample_rate'
+            )
         if count >= 1:
             return count
     raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')

@@ -1,4 +1,5 @@
 import json
+import re
 
 import numpy as np
 import pytest
@@ -8,8 +9,11 @@ from kapitsa_ros.cli.commands.figures import figures
 from kapitsa_ros.cli.commands.simulate import simulate
 from kapitsa_ros.cli.commands.theory import theory
 from kapitsa_ros.errors import OutputError
-from kapitsa_ros.physics.errors import ParameterError
+from kapitsa_ros.physics.errors import ParameterError, PhysicsError
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory import growth_rate
 from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.units import RPM
 
 RUN = ('--speed', '2500', '--release', '0.12', '--duration', '2')
 
@@ -117,6 +121,45 @@ def test_motion_is_written_with_all_its_digits(tmp_path, suffix):
 )
 def test_simulate_refuses(arguments, error):
     assert isinstance(CliRunner().invoke(simulate, [*RUN, *arguments]).exception, error)
+
+
+def test_an_unstable_rod_that_has_not_fallen_yet_has_its_growth():
+    arguments = ['--speed', '1300', '--release', '0.01', '--duration', '1']
+    values = answer(simulate, *arguments)
+    assert values['slow_rpm'] is None
+    assert values['fell'] is False
+    assert values['growth_per_s'] == pytest.approx(growth_rate(Plant(), 1300 * RPM), rel=0.01)
+    assert 'unstable: it would fall' in CliRunner().invoke(simulate, arguments).output
+    assert 'unstable' not in CliRunner().invoke(simulate, RUN).output
+
+
+@pytest.mark.parametrize(('restitution', 'slow'), [(0.0, 132.8), (0.8, 132.4), (0.85, 133.5), (0.9, 133.2)])
+def test_impacts_in_the_play_are_not_taken_for_turns(restitution, slow):
+    """By zero crossings: 132.8, 132.3, 133.3, 133.2 RPM."""
+    arguments = ['--speed', '2500', '--release', '0.12', '--duration', '20', '--clearance', '3mm']
+    values = answer(simulate, *arguments, '--restitution', str(restitution))
+    assert values['slow_rpm'] == pytest.approx(slow, abs=0.2)
+
+
+@pytest.mark.parametrize(
+    ('command', 'arguments', 'message'),
+    [
+        (theory, ['--speed', '0'], r'speed is 0 rad/s: give a finite speed above 0, at most 1e\+06 rad/s'),
+        (theory, ['--speed', '1e200'], r'at most 1e\+06 rad/s'),
+        (theory, ['--length', '1e-300'], 'give a smaller amplitude or a longer rod'),
+        (simulate, ['--speed', '1e9', '--release', '0.1', '--duration', '1'], r'at most 1e\+06 rad/s'),
+        (simulate, ['--speed', '1e6', '--release', '0.1', '--duration', '1e4'], 'reduce duration or speed'),
+        (
+            simulate,
+            ['--speed', '2500', '--release', '0.1', '--duration', '1e4', '--sample-rate', '1e9'],
+            'reduce duration or sample_rate',
+        ),
+    ],
+)
+def test_what_would_take_for_ever_or_has_no_answer_is_refused(command, arguments, message):
+    error = CliRunner().invoke(command, arguments).exception
+    assert isinstance(error, PhysicsError)
+    assert re.search(message, str(error))
 
 
 def test_study(kapitsa):

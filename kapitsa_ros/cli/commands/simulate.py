@@ -76,3 +76,5 @@ def simulate(
     else:
         for name, value in answer.items():
             click.echo(f'{name:16} {value}')
+        if run.falls and not run.fell:
+            click.echo('unstable: it would fall, if it were followed for longer')

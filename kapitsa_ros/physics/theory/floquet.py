@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from kapitsa_ros.physics.errors import ParameterError, PhysicsError
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels.mathieu import floquet_exponents, half_period
+from kapitsa_ros.physics.limits import FASTEST, check_forcing
 from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic_a1, characteristic_b1, mathieu_q
 
 if TYPE_CHECKING:
@@ -119,12 +120,12 @@ def floquet_curves(plant: Plant, speeds: NDArray[np.float64]) -> tuple[NDArray[n
     -------
     tuple
         Ω, rad/s, and the growth, 1/s, shape (N,) each. Ω is nan where there is no slow oscillation; both are nan at a
-        speed that is not finite and above 0, or so low that the fall within a turn is beyond double precision.
+        speed that is not above 0, beyond `FASTEST`, or so low that the fall within a turn is beyond double precision.
 
     """
     slow, growth = np.full(speeds.shape, np.nan), np.full(speeds.shape, np.nan)
     stiffness = _stiffness(plant)
-    answered = np.isfinite(speeds) & (speeds > stiffness / LONGEST_FALL)
+    answered = (speeds <= FASTEST) & (speeds > stiffness / LONGEST_FALL)
     speed = speeds[answered]
     rate = stiffness * (1.0 / speed)
     half_angle, spread = floquet_exponents(-rate * rate, mathieu_q(plant))
@@ -135,8 +136,7 @@ def floquet_curves(plant: Plant, speeds: NDArray[np.float64]) -> tuple[NDArray[n
 
 def _half_trace(plant: Plant, speed: float) -> tuple[float, float]:
     """Return (D − 1)/2 and (D + 1)/2."""
-    if not 0 < speed < math.inf:
-        raise ParameterError(f'speed is {speed} rad/s: give a finite speed above 0')
+    check_forcing(speed)
     x1, r1, x2, r2 = _normal_solutions(plant, 1.0 / speed)
     if not math.isfinite(r1 * x2):
         raise PhysicsError(f'at {speed} rad/s the rod falls too fast within one turn for double precision')

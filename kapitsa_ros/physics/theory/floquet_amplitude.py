@@ -39,10 +39,13 @@ def slow_amplitude(
     return angle + ratio * slope
 
 
-def mean_turn(amplitude: NDArray[np.complex128]) -> float:
-    """Return the mean angle from one amplitude to the next, rad in [0, 2π)."""
-    steps = np.mod(np.angle(amplitude[:-1] / amplitude[1:]), 2.0 * np.pi)
-    return smooth_mean(steps)
+def mean_turn(amplitude: NDArray[np.complex128], expected: float) -> float:
+    """Return the mean angle from one amplitude to the next, rad.
+
+    Each is taken within half a turn of what is expected: where impacts shake the amplitude some steps go backwards.
+    """
+    steps = np.angle(amplitude[:-1] / amplitude[1:])
+    return smooth_mean(expected + np.mod(steps - expected + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def mean_growth(amplitude: NDArray[np.complex128]) -> float:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 import scipy
 
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels.mathieu import half_period
+from kapitsa_ros.physics.limits import LARGEST_Q
 
 Quantity = TypeVar('Quantity', float, 'NDArray[np.float64]')
 
@@ -29,8 +31,21 @@ def mathieu_a(plant: Plant, speed: Quantity) -> Quantity:
 
 
 def mathieu_q(plant: Plant) -> float:
-    """Return q = 2kλ, which is 3λ/L for the rod (report, eq. 6, where the sign is only a phase)."""
-    return 2.0 * plant.k * plant.amplitude
+    """Return q = 2kλ, which is 3λ/L for the rod (report, eq. 6, where the sign is only a phase).
+
+    Raises
+    ------
+    PhysicsError
+        It is beyond `LARGEST_Q`.
+
+    """
+    q = 2.0 * plant.k * plant.amplitude
+    if q > LARGEST_Q:
+        raise PhysicsError(
+            f'the amplitude is {plant.amplitude * plant.k * 2.0 / 3.0:.3g} times the length that the rod swings with: '
+            'give a smaller amplitude or a longer rod'
+        )
+    return q
 
 
 def boundary_perturbed(q: Quantity) -> Quantity:

@@ -54,4 +54,5 @@ def slow_frequency_nonlinear(plant: Plant, speed: float, release: float, phase: 
     orbit = Release(plant=smooth, speed=speed, angle=release, phase=phase).strobed(turns)
     if orbit.fell:
         raise PhysicsError(f'released at {release:.6g} rad and {speed:.6g} rad/s the rod falls over')
-    return mean_turn(slow_amplitude(smooth, speed, orbit.angle, orbit.rate)) * speed / (2.0 * math.pi)
+    amplitude = slow_amplitude(smooth, speed, orbit.angle, orbit.rate)
+    return mean_turn(amplitude, 2.0 * math.pi * rotation) * speed / (2.0 * math.pi)
