@@ -10,11 +10,11 @@ import numpy as np
 
 from kapitsa_ros._api.inputs import as_instruments, as_plant, as_protocol
 from kapitsa_ros._api.result import describe, figures, speed_text
-from kapitsa_ros.analysis.critical_speed import true_threshold
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.laboratory.campaign import Cores, efficiency, perform_all, summarise
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ def campaign(
     simulated = SimulatedExperiment(
         plant=rod, instruments=as_instruments(instruments), protocol=as_protocol(protocol), seed=0
     )
-    truth = true_threshold(rod)
+    truth = omega_crit_with_play(rod)
     workers = DaskCluster(scheduler) if scheduler else Cores()
     begin = time.perf_counter()
     outcomes = list(progress(perform_all(simulated, experiments, workers)))

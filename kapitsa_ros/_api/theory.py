@@ -46,7 +46,7 @@ class Theory:
     growth: NDArray[np.float64]
     """Of the slow motion, 1/s; negative where it decays."""
     omega_crit: float
-    """Exact critical speed, rad/s."""
+    """Exact critical speed, rad/s, with the play at the pivot."""
     omega_crit_averaged: float
     """By the averaged equation, rad/s (report, eq. 8)."""
     omega_crit_upper: float | None
@@ -125,13 +125,15 @@ def theory(plant: AnyPlant = None, *, speed: AnyQuantities = (), release: AnyQua
     rod = as_plant(plant)
     criticals: dict[str, Any] = {
         'omega_crit_averaged': physics.omega_crit_averaged(rod),
-        'omega_crit': physics.omega_crit_exact(rod),
+        'omega_crit': physics.omega_crit_with_play(rod),
         'omega_crit_upper': physics.omega_crit_upper(rod),
     }
     omega = to_si_array('speed', speed, 'rad/s')
     at = _at_one(rod, float(omega)) if omega.ndim == 0 else _at_many(rod, omega)
     angle = None if release is None else to_si('release', release, 'rad')
     comparison = () if angle is None else tuple(tuple(physics.compare_theories(rod, one, angle)) for one in omega.flat)
+    if rod.clearance > 0.0:
+        at['warnings'] += ('the exact critical speed is with the play; all else is that of a pivot without',)
     return Theory(plant=rod, speed=omega, mathieu_q=physics.mathieu_q(rod), comparison=comparison, **criticals, **at)
 
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of, true_threshold
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.network.errors import RunError
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.play import omega_crit_with_play
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -127,6 +129,14 @@ def _reduce(plant: Plant, evidence: Evidence, timings: Sequence[TimingRow]) -> E
         predicted=omega_crit_averaged(ideal_rod(plant)),
         truth=true_threshold(plant),
     )
+
+
+def true_threshold(plant: Plant) -> float | None:
+    """Return the exact threshold of a plant that was simulated, rad/s; None where there is none."""
+    try:
+        return omega_crit_with_play(plant)
+    except PhysicsError:
+        return None
 
 
 def _percent_off(value: float | None, reference: float | None) -> float | None:

@@ -30,6 +30,10 @@ class RecordedRun:
     angle: NDArray[np.float64]
     """θ, rad, shape (N,)."""
 
+    def has_moved(self) -> bool:
+        """Whether there is a motion to be looked at."""
+        return self.angle.size > 1 and bool(np.ptp(self.angle) > 0.0)
+
     def free_swing(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the time since the last release, and the angle from there on.
 

@@ -12,9 +12,14 @@ from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.cli.commands.report import report
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.errors import OutputError
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.release import Release
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.reporting.report import gather, render
@@ -84,7 +89,7 @@ def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
     answer = ' '.join(reader.text.split())
     assert 'Not by itself. On the bearing the report recommends' in answer
     assert 'bearing, inertia as built' in answer
-    for truth in ('1354.8', '1594.4', '1610.3'):
+    for truth in ('1354.8', '1594.9', '1610.3'):
         assert truth in answer
 
 
@@ -102,6 +107,25 @@ def test_runs_off_the_curve_are_said_to_be(of_one_bag):
         reader = _Reader()
         reader.feed(render(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
         assert words in reader.text
+
+
+def test_a_fall_alone_makes_a_report_that_shows_it():
+    protocol = Protocol(speeds=(1340 * RPM,))
+    experiment = SimulatedExperiment(plant=Plant(), instruments=load_instruments('1997'), protocol=protocol, seed=1)
+    [run] = experiment.runs()
+    assert run.fell
+    fall = Release(plant=Plant(), speed=1340 * RPM, angle=0.12).sampled(5.0)
+    recorded = RecordedRun(name='run_01_1340rpm', run=run, time=fall.time, angle=fall.angle)
+    page = render(gather([recorded], load_table('1997'), experiments=1))
+    for words in ('these runs give no critical speed', '<td>fell</td>', 'Figure 4'):
+        assert words in page
+
+
+def test_a_run_without_motion_makes_a_report_without_its_figures(runs):
+    still = [replace(recorded, time=recorded.time[:0], angle=recorded.angle[:0]) for recorded in runs]
+    page = render(gather(still, load_table('1997'), experiments=1))
+    assert 'Figure 3' in page
+    assert 'Figure 4' not in page
 
 
 def test_swing_begins_where_it_was_let_go(runs):

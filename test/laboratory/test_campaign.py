@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of, true_threshold
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
@@ -15,6 +15,7 @@ from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.units import RPM
 
 IDEAL = Plant()
@@ -57,7 +58,7 @@ def test_friction_of_a_bearing_stays_within_the_interval():
 def test_friction_the_curve_does_not_know_stays_within_the_interval(seed):
     plant = load_preset('as_built_1997')  # Coulomb friction eats the swing, and one release has to be doubled
     outcome = perform(experiment(plant, 'ideal'), seed)
-    assert outcome.covers(true_threshold(plant))
+    assert outcome.covers(omega_crit_with_play(plant))
     assert (outcome.interval[1] - outcome.interval[0]) / RPM < 100
 
 
@@ -146,9 +147,9 @@ def test_thousand_intervals_hold_the_truth_as_often_as_they_say():
 
 def test_worn_pivot_has_a_lower_threshold_and_the_interval_knows():
     worn = load_preset('as_built_1997')
-    assert true_threshold(worn) == pytest.approx(
+    assert omega_crit_with_play(worn) == pytest.approx(
         omega_crit_exact(worn) / (1 + 2 / np.pi * worn.clearance / worn.amplitude), rel=1e-3
     )
-    assert true_threshold(IDEAL) == TRUTH
+    assert omega_crit_with_play(IDEAL) == TRUTH
     outcomes = list(perform_all(experiment(worn), 24))
-    assert sum(outcome.covers(true_threshold(worn)) for outcome in outcomes) >= 20
+    assert sum(outcome.covers(omega_crit_with_play(worn)) for outcome in outcomes) >= 20

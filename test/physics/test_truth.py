@@ -128,6 +128,7 @@ ANSWERS = {
     'coul_peak3': (peak, 4),
     'coul_T1': (slow_period, 2.4),
     'play': (slow_in_play, 4.7),
+    'crit_play': (lambda params: theory.omega_crit_with_play(plant_of(params)) / RPM, 7.0),
 }
 
 

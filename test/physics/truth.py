@@ -13,7 +13,14 @@ ENTRIES = {entry['id']: entry for entry in _DOCUMENT['truth']}
 
 def plant_of(params):
     """Return the plant an entry speaks of."""
-    names = {'L_m': 'length', 'lam_m': 'amplitude', 'c_per_s': 'damping', 'g': 'gravity', 'f': 'coulomb'}
+    names = {
+        'L_m': 'length',
+        'lam_m': 'amplitude',
+        'c_per_s': 'damping',
+        'g': 'gravity',
+        'f': 'coulomb',
+        'inertia_factor': 'inertia_factor',
+    }
     names |= {'D_m': 'clearance', 'e': 'restitution'}
     return Plant(**{names[key]: value for key, value in params.items() if key in names})
 

@@ -4,7 +4,6 @@ from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, direct
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import LineFit, errors_in_variables
 from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler, evidence_of
 from kapitsa_ros.analysis.critical_speed.from_motion import evidence_from_motion
-from kapitsa_ros.analysis.critical_speed.true_threshold import true_threshold
 
 __all__ = [
     'Bound',
@@ -16,5 +15,4 @@ __all__ = [
     'errors_in_variables',
     'evidence_from_motion',
     'evidence_of',
-    'true_threshold',
 ]

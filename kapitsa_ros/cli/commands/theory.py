@@ -25,6 +25,8 @@ def theory(plant: Plant, speeds: tuple[float, ...], release: float | None, *, as
     # One call a speed: each that has no answer is an error here.
     found = [call(plant, speed=speed, release=release) for speed in speeds]
     rod = found[0] if found else call(plant)
+    for warning in rod.warnings:
+        click.echo(f'kapitsa: warning: {warning}', err=True)
     answer = {
         'mathieu_q': rod.mathieu_q,
         'omega_crit_averaged_rpm': in_rpm(rod.omega_crit_averaged),

@@ -32,7 +32,7 @@ from kapitsa_ros.physics.theory.mathieu import (
     mathieu_q,
 )
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
-from kapitsa_ros.physics.theory.play import effective_amplitude, slow_frequency_with_play
+from kapitsa_ros.physics.theory.play import effective_amplitude, omega_crit_with_play, slow_frequency_with_play
 from kapitsa_ros.physics.theory.sidebands import sidebands
 from kapitsa_ros.physics.theory.stability import StabilityMap, stability_map
 
@@ -59,6 +59,7 @@ __all__ = [
     'omega_crit_exact',
     'omega_crit_next_order',
     'omega_crit_upper',
+    'omega_crit_with_play',
     'sidebands',
     'slow_frequency_averaged',
     'slow_frequency_exact',

@@ -20,7 +20,7 @@ def extrapolation(ours: Readings, theirs: Readings, line: LineFit | None) -> Fig
     """Draw Figure 3: readings and the line that was extrapolated, if there is one, in the report's axes."""
     figure = blank('Figure 3: forcing over slow frequency')
     (axes,) = figure.axes
-    slow = np.linspace(0.0, 1.1 * max(ours.slow.max(), theirs.slow.max()), 200)
+    slow = np.linspace(0.0, 1.1 * np.concatenate((ours.slow, theirs.slow)).max(), 200)
     if line is not None and line.omega_crit is not None:
         forcing = np.sqrt(line.omega_crit**2 + slow**2 / line.slope)
         axes.plot(slow / RPM, forcing / RPM, color=BLUE, label='least squares, as in 1997')

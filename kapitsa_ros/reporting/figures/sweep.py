@@ -38,7 +38,7 @@ def frequency_sweep(
     axes.plot(fine, averaged, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
     simulated = _rpm(coarse, lambda speed: _simulated(plant, speed, release))
     axes.plot(coarse, simulated, 'x', color=INK, markersize=4, label=f'simulation, {release:g} rad')
-    points = np.asarray(measured) / RPM
+    points = np.reshape(measured, (-1, 2)) / RPM
     axes.plot(points[:, 0], points[:, 1], 'o', color=ORANGE, label='measured')
     edge = theory.omega_crit_exact(plant) / RPM
     axes.axvspan(0.0, edge, color=GREY, alpha=0.15, linewidth=0)

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of, true_threshold
+from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
-from kapitsa_ros.analysis.experiment import ideal_rod, plant_of
+from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
@@ -19,9 +19,9 @@ from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import perform_all, summarise
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.play import omega_crit_with_play
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.plan import Plan, Separation
     from kapitsa_ros.analysis.recorded_run import RecordedRun
     from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.analysis.timing_row import TimingRow
     from kapitsa_ros.laboratory.campaign import Campaign
 
 _Fit = TypeVar('_Fit')
@@ -78,8 +79,10 @@ class Content:
 
     runs: tuple[RecordedRun, ...]
     plant: Plant
+    timings: tuple[TimingRow, ...]
+    """What was read in these runs, with the repairs that the estimates rest on."""
     timed: Readings
-    """What the runs' instruments said, with the repairs that the estimates rest on."""
+    """Speeds and periods of what was timed."""
     of_1997: Readings
     estimates: tuple[Estimate, ...]
     predicted: float
@@ -96,24 +99,26 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     Raises
     ------
     AnalysisError
-        There are no runs, they are of different plants, or none was timed.
+        There are no runs, or they are of different plants.
 
     """
     blind = [recorded.run for recorded in runs]
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
-    evidence = evidence_of(timing_rows(blind))
+    rows = timing_rows(blind)
+    evidence = evidence_of(rows)
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
-    if np.ptp(evidence.timed.forcing) > 0.0:
+    if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
     return Content(
         runs=tuple(runs),
         plant=plant,
+        timings=tuple(rows),
         timed=evidence.timed,
         of_1997=of_1997,
         estimates=_estimates(evidence, nominal, of_1997),
         predicted=omega_crit_averaged(nominal),
-        truth=_truth(plant),
+        truth=true_threshold(plant),
         verdicts=tuple(verdicts),
         trials=tuple(_trial(name, plant, experiments) for name, plant in _plants().items()),
         plan=_plan(nominal),
@@ -125,7 +130,11 @@ def _estimates(evidence: Evidence, nominal: Plant, theirs: Readings) -> tuple[Es
     """Fit lines and curve to the same rows."""
     line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
     backward, forward = _or_none(fit_inverse_ols, evidence.timed), _or_none(fit_ols, evidence.timed)
-    curve = direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
+    curve = (
+        direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
+        if evidence.timed.period.size
+        else None
+    )
     return (
         Estimate(
             name='ω² on Ω², as in 1997',
@@ -142,9 +151,9 @@ def _estimates(evidence: Evidence, nominal: Plant, theirs: Readings) -> tuple[Es
         ),
         Estimate(
             name='exact curve with a ruler',
-            value=curve.omega_crit,
-            interval=curve.interval,
-            discrepancy=curve.discrepancy,
+            value=curve.omega_crit if curve else None,
+            interval=curve.interval if curve else None,
+            discrepancy=curve.discrepancy if curve else 0.0,
         ),
     )
 
@@ -154,13 +163,6 @@ def _or_none(fit: Callable[[Readings], _Fit], readings: Readings) -> _Fit | None
         return fit(readings)
     except TableError:
         return None  # one speed, or no rise
-
-
-def _truth(plant: Plant) -> float | None:
-    try:
-        return true_threshold(plant)
-    except PhysicsError:
-        return None
 
 
 def _plants() -> dict[str, Plant]:
@@ -174,7 +176,7 @@ def _trial(name: str, plant: Plant, experiments: int) -> Trial:
     experiment = SimulatedExperiment(
         plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
-    truth = true_threshold(plant)
+    truth = omega_crit_with_play(plant)
     campaign = summarise(list(perform_all(experiment, experiments)), truth)
     return Trial(name=name, truth=truth, campaign=campaign, plan=_plan(plant))
 

@@ -13,10 +13,12 @@ from markupsafe import Markup
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
+from kapitsa_ros.analysis.results import timing_values
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
 from kapitsa_ros.reporting.report.drawings import intervals, recorded_spectrum, recorded_swing
+from kapitsa_ros.reporting.report_tables import repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.units import INCH, RPM, interval_text
 
@@ -35,6 +37,8 @@ def render(content: Content) -> str:
     template = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
     return template.render(
         content=content,
+        timings=[timing_values(row) for row in content.timings],
+        repairs=repairs({'timings': [timing_values(row) for row in content.timings]}),
         report=Plant(),
         trials={trial.name: trial for trial in content.trials},
         as_built_on_bearing=AS_BUILT_ON_BEARING,
@@ -52,18 +56,16 @@ def _figures(content: Content) -> list[Markup]:
     except TableError:
         line = None  # Figure 3 is without it, as Table 3 is
     measured = list(zip(ours.forcing.tolist(), ours.slow.tolist(), strict=True))
-    shown = content.runs[-1]
-    return [
-        _svg(figure)
-        for figure in (
-            intervals(content.estimates, content.predicted, content.truth),
-            stability_boundaries(nominal, ours.forcing.tolist(), stacked=True),
-            extrapolation(ours, content.of_1997, line),
-            recorded_swing(shown),
-            recorded_spectrum(shown),
-            frequency_sweep(nominal, measured),
-        )
+    speeds = sorted({row.speed for row in content.timings if row.speed is not None})
+    figures = [
+        intervals(content.estimates, content.predicted, content.truth),
+        stability_boundaries(nominal, speeds, stacked=True),
+        extrapolation(ours, content.of_1997, line),
     ]
+    moved = [run for run in content.runs if run.has_moved()]
+    if moved:
+        figures += [recorded_swing(moved[-1]), recorded_spectrum(moved[-1])]
+    return [_svg(figure) for figure in (*figures, frequency_sweep(nominal, measured))]
 
 
 def _svg(figure: Figure) -> Markup:

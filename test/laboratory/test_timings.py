@@ -1,12 +1,18 @@
-"""Several speeds in one run: each timing and each fall counts at its own speed."""
+"""Each timing and each fall counts at its own speed, with the same repairs for every estimate."""
 
+import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.experiment import Experiment, reduce_runs
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols
+from kapitsa_ros.analysis.results import experiment_values
+from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.reporting.report_tables import repairs
 from kapitsa_ros.units import RPM
 
 
@@ -39,3 +45,21 @@ def test_timings_at_one_reading_of_the_dial_are_one_row() -> None:
     once, twice = found(2240, 2780), found(2240, 2780, repeats=2)
     assert len(twice.timings) == 4
     assert twice.omega_crit == pytest.approx(once.omega_crit, rel=1e-6)
+
+
+def test_a_reading_at_a_wrong_flash_rate_is_repaired_for_all_estimates_alike_and_said() -> None:
+    """Seed 2: the marks stood doubled at 4/3 of the shaft's speed, and the person halved."""
+    experiment = SimulatedExperiment(
+        plant=Plant(), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=2
+    )
+    values = experiment_values(reduce_runs(experiment.runs()))
+    [said] = repairs(values)
+    assert said == 'run 2: read 1760.0 RPM, taken as 2640.0 RPM: alias 2/3 (2640 RPM was asked for)'
+    speed = np.array([timing['speed_taken_rpm'] for timing in values['timings']])
+    assert speed == pytest.approx([2240, 2640, 2780], abs=15)
+    half_a_digit = 0.005
+    period = np.array([(timing['display_s'] + half_a_digit) / timing['swings'] for timing in values['timings']])
+    by_hand = fit_inverse_ols(Readings(speed * RPM, period, 0 * speed, 0 * speed))
+    assert values['inverse_rpm'] == pytest.approx((by_hand.omega_crit or 0.0) / RPM, rel=1e-9)
+    assert values['error_percent'] == pytest.approx(100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1))
+    assert values['deviation_percent'] == pytest.approx(100 * (values['omega_crit_rpm'] / values['truth_rpm'] - 1))
