@@ -59,3 +59,29 @@ def test_swing_begins_at_the_release_and_ends_where_friction_stops_it():
 def test_no_runs_tell_nothing():
     with pytest.raises(AnalysisError, match='no run'):
         evidence_from_motion([], NOMINAL)
+
+
+@pytest.mark.parametrize('kappa', [1.0, 0.7069])
+@pytest.mark.parametrize('rpm', [2240, 2780])
+@pytest.mark.parametrize('release', [0.05, 0.12, 0.25, 0.5, 0.7])
+def test_a_wide_swing_is_reduced_to_a_small_one_within_its_error(kappa, rpm, release):
+    """Of a rod that is not the nominal one, too."""
+    rod = Plant(inertia_factor=kappa)
+    motion = Release(plant=rod, speed=rpm * RPM, angle=release).sampled(6.0)
+    run = Run(
+        number=1, settings={}, speed_asked=rpm * RPM, release=release, readings={}, timings=(), complete=True
+    )  # fmt: skip
+    found = evidence_from_motion([RecordedRun(name='run', run=run, time=motion.time, angle=motion.angle)], NOMINAL)
+    period, sigma = found.timed.period[0], found.timed.period_sigma[0]
+    exact = 2 * np.pi / slow_frequency_exact(rod, rpm * RPM)
+    assert abs(period - exact) < 2 * sigma
+    assert sigma < 0.02 * exact
+
+
+def test_a_swing_too_wide_for_that_is_refused_by_the_name_of_its_run():
+    motion = Release(plant=NOMINAL, speed=1700 * RPM, angle=0.7).sampled(6.0)
+    run = Run(
+        number=1, settings={}, speed_asked=1700 * RPM, release=0.7, readings={}, timings=(), complete=True
+    )  # fmt: skip
+    with pytest.raises(AnalysisError, match=r'^run_01: '):
+        evidence_from_motion([RecordedRun(name='run_01', run=run, time=motion.time, angle=motion.angle)], NOMINAL)

@@ -12,6 +12,7 @@ from kapitsa_ros.analysis.slow_frequency import (
     zero_crossing_frequency,
 )
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
@@ -113,8 +114,10 @@ def test_softening_is_that_of_kapitsas_potential():
     assert softening(plant, speed, 0.05) == pytest.approx(duffing, rel=0.05)
 
 
-def test_below_the_threshold_nothing_softens():
-    assert softening(Plant(), 1300 * RPM, 0.12) == 0.0
+def test_where_nothing_swings_nothing_softens():
+    for speed, release in ((1300 * RPM, 0.12), (1400 * RPM, 0.8)):
+        with pytest.raises(PhysicsError):
+            softening(Plant(), speed, release)
 
 
 @pytest.mark.parametrize('name', ESTIMATORS)
@@ -139,7 +142,7 @@ def test_laps_make_good_the_display_and_the_rhythm():
     [
         (lambda: sinusoid_fit_frequency(record(swing(2.0))), 'whole slow period'),
         (lambda: zero_crossing_frequency(record(0.1 + 0 * swing(2.0))), '0 passage'),
-        (lambda: zero_crossing_frequency(record(swing(10.0)), 300.0), 'too wide'),
+        (lambda: zero_crossing_frequency(record(swing(10.0)), 300.0), 'cannot be reduced'),
         (lambda: record(np.full(1000, np.nan)), 'finite'),
         (lambda: record(swing(0.1)), 'eight turns'),
         (lambda: SwingRecord(angle=np.zeros(1000), period=0.1, forcing=FORCING), 'more often'),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,12 +12,18 @@ from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS, softening
 from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kapitsa_ros.analysis.recorded_run import RecordedRun
+    from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate, SwingRecord
     from kapitsa_ros.physics.plant import Plant
+
+
+_PASSES = 3
 
 
 def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator: str = DEFAULT_ESTIMATOR) -> Evidence:
@@ -31,7 +38,7 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
     runs
         Of one plant.
     nominal
-        The rod as it should be: says how much a wide swing is slower.
+        The rod as it should be. How much a wide swing is slower is that of a rod of its stroke which swings as seen.
     estimator
         Name in `ESTIMATORS`.
 
@@ -52,8 +59,12 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
         if run.fell:
             fell.append(Bound(speed=run.speed_asked, sigma=0.0, release=abs(run.release or 0.0)))
             continue
-        soft = softening(nominal, run.speed_asked, abs(run.release or 0.0))
-        slow = ESTIMATORS[estimator](recorded.living_swing(), soft)
+        record = recorded.living_swing()
+        release = abs(run.release or 0.0) or float(np.abs(record.angle).max())
+        try:
+            slow = _small_swing(record, release, nominal, estimator)
+        except (AnalysisError, PhysicsError) as error:
+            raise AnalysisError(f'{recorded.name}: {error}') from error
         if not math.isfinite(slow.sigma):
             raise AnalysisError(
                 f'{recorded.name}: too short a swing for {estimator} to know its error: take another estimator'
@@ -70,3 +81,13 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
         swings=np.ones_like(forcing),
         fell=tuple(fell),
     )
+
+
+def _small_swing(record: SwingRecord, release: float, nominal: Plant, estimator: str) -> SlowEstimate:
+    """Estimate the frequency of a small swing: softening follows from a rod, and the rod from the frequency."""
+    slow = ESTIMATORS[estimator](record, 0.0)
+    for _ in range(_PASSES):
+        k = k_of_slow_frequency(record.forcing, slow.value, nominal.amplitude, nominal.gravity)
+        rod = replace(nominal, inertia_factor=nominal.inertia_factor * k / nominal.k)
+        slow = ESTIMATORS[estimator](record, softening(rod, record.forcing, release))
+    return slow

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import exprel, log_ndtr
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.theory.averaged import period_steepness, plant_of_threshold
+from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, period_steepness, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
@@ -50,8 +50,7 @@ class Likelihood:
     def first_guess(self) -> float:
         """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""
         timed, amplitude = self._evidence.timed, self.ruler.amplitude
-        stroke = (amplitude * timed.forcing) ** 2
-        k = (self._gravity + np.sqrt(self._gravity**2 + 2.0 * stroke * timed.slow**2)) / stroke
+        k = k_of_slow_frequency(timed.forcing, timed.slow, amplitude, self._gravity)
         return float(np.median(np.sqrt(2.0 * self._gravity / k) / amplitude))
 
     def correct_for_width(self, threshold: float, amplitude: float) -> None:

@@ -41,6 +41,13 @@ def plant_of_threshold(threshold: float, amplitude: float, gravity: float, dampi
     return Plant(length=1.5, amplitude=amplitude, gravity=gravity, damping=abs(damping), inertia_factor=k)
 
 
+def k_of_slow_frequency(speed: _Speeds, slow: _Speeds, amplitude: float, gravity: float) -> _Speeds:
+    """Return k, 1/m, of the rod that swings with Ω = `slow` at ω = `speed` (rad/s), by Ω² = k²λ²ω²/2 − kg."""
+    stroke = (amplitude * speed) ** 2
+    root: _Speeds = (gravity**2 + 2.0 * stroke * slow**2) ** 0.5
+    return (gravity + root) / stroke
+
+
 def period_steepness(plant: Plant, speed: NDArray[np.float64], slow: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return −d ln T/dω = k²λ²ω/(2Ω²), s/rad: by which share a period is shorter at a higher speed.
 
