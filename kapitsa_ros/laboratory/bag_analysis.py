@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros import __version__
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -12,6 +14,8 @@ from kapitsa_ros.recording.reader import RunBag
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
+
+    from kapitsa_ros.network.run import Run
 
 
 def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
@@ -27,7 +31,7 @@ def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
     """
     bags = [RunBag(path) for path in paths]
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
-    return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags]))
+    return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags])) | origin(bags[0].run)
 
 
 def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -> dict[str, Any]:
@@ -59,7 +63,22 @@ def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -
             | run_values(bag.run)
             | {'period_s': period, 'slow_rpm': None if period is None else 60.0 / period}
         )
-    return {'runs': runs} | experiment_values(experiment)
+    return {'runs': runs} | experiment_values(experiment) | origin(bags[0].run)
+
+
+def origin(run: Run) -> dict[str, Any]:
+    """Return what runs were made with: plant, instruments and seed, as recorded, and this version of the package.
+
+    A bag does not tell the protocol.
+    """
+    instruments = {name: run.settings[name]['instrument'] for name in ('strobe', 'stopwatch')}
+    return {
+        'plant': asdict(run.plant),
+        'instruments': instruments,
+        'protocol': None,
+        'seed': run.settings['strobe'].get('seed'),
+        'version': __version__,
+    }
 
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:

@@ -66,7 +66,10 @@ class Run:
         same = [timing for timing in timed if timing.speed_asked == timed[-1].speed_asked]
         if not same:
             return None
-        return sum(each.swings * each.displayed for each in same) / sum(each.swings**2 for each in same)
+        most = max(each.swings for each in same)
+        weights = [each.swings / most for each in same]
+        displayed = sum(weight * each.displayed for weight, each in zip(weights, same, strict=True))
+        return displayed / sum(weight * each.swings for weight, each in zip(weights, same, strict=True))
 
     @property
     def fell(self) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
-from kapitsa_ros.laboratory.bag_analysis import analyse_bags, recorded_values
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
 from kapitsa_ros.network.registry import SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.reader import RunBag
@@ -51,7 +51,8 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     monitor = _watch(setup.roles, parameters(setup), on_progress)
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
-    return analyse_bags(bags) | {'realtime_factor': float(monitor.progress['realtime_factor'])}
+    made = {'protocol': setup.protocol, 'realtime_factor': float(monitor.progress['realtime_factor'])}
+    return analyse_bags(bags) | made
 
 
 def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> dict[str, Any]:
@@ -69,7 +70,7 @@ def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> di
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
     monitor: SessionMonitor = _watch(REPLAY_NAMES, replay_parameters(paths, rate), on_progress)
     runs = [recorded_values(bag) | values for bag, values in zip(bags, monitor.runs, strict=True)]
-    values: dict[str, Any] = {'runs': runs} | monitor.experiment
+    values: dict[str, Any] = {'runs': runs} | monitor.experiment | origin(bags[0].run)
     return values | {'realtime_factor': float(monitor.progress['realtime_factor'])}
 
 

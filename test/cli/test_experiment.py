@@ -37,22 +37,33 @@ def same_bytes(left: Path, right: Path) -> bool:
 
 
 def comparable(values: dict[str, Any]) -> dict[str, Any]:
-    """Leave out what may differ between equal experiments: speed of the machine and paths."""
+    """Leave out what may differ between equal experiments: speed of the machine, paths, what a bag does not tell."""
     runs = [{key: value for key, value in run.items() if key != 'bag'} for run in values['runs']]
-    return {key: value for key, value in values.items() if key != 'realtime_factor'} | {'runs': runs}
+    own = {'realtime_factor', 'protocol'}
+    return {key: value for key, value in values.items() if key not in own} | {'runs': runs}
 
 
 def test_keys_are_those_of_the_contract(recorded: Recorded) -> None:
     values = recorded[1]
     assert set(values) == {
         'runs', 'omega_crit_rpm', 'omega_crit_interval_rpm', 'inverse_rpm', 'ols_rpm', 'predicted_rpm',
-        'error_percent', 'truth_rpm', 'discrepancy_percent', 'realtime_factor',
+        'error_percent', 'truth_rpm', 'discrepancy_percent', 'realtime_factor', 'deviation_percent', 'timings',
+        'plant', 'instruments', 'protocol', 'seed', 'version',
     }  # fmt: skip
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):
         assert set(run) == {'bag', 'speed_reading_rpm', 'period_s', 'slow_rpm', 'fell', 'samples', 'gaps'}
         assert run['speed_reading_rpm'] == pytest.approx(rpm, abs=11)
         assert run['gaps'] == 0
         assert not run['fell']
+    for timing, run in zip(values['timings'], values['runs'], strict=True):
+        assert set(timing) >= {
+            'run', 'speed_asked_rpm', 'speed_reading_rpm', 'speed_taken_rpm', 'alias', 'release_rad', 'kind',
+            'display_s', 'swings', 'time_s',
+        }  # fmt: skip
+        assert timing['speed_reading_rpm'] == run['speed_reading_rpm']
+        assert timing['display_s'] / timing['swings'] == pytest.approx(run['period_s'], rel=1e-12)
+    assert (values['protocol'], values['seed'], values['plant']['length']) == ('1997', 1, 0.24765)
+    assert values['error_percent'] == pytest.approx(100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1))
     assert values['predicted_rpm'] == pytest.approx(1353.058, abs=1e-3)
     assert values['truth_rpm'] == pytest.approx(1354.8036, abs=1e-3)
     assert values['realtime_factor'] > 0
