@@ -176,7 +176,7 @@ class BenchApp(App[RigError]):
     def action_release(self) -> None:
         """Have the pendulum caught and let go."""
         angle = self.state.release
-        self._order(lambda rig: rig.release(angle), lambda: self.state.notify(f'released from {angle:.4g} rad'))
+        self._order(lambda rig: rig.release(angle), lambda: self.state.note_release(angle))
 
     def action_watch(self) -> None:
         """Press the stopwatch."""

@@ -76,6 +76,7 @@ class BenchState:
         """Requested, RPM."""
         self.release = 0.12
         """Angle of the next release, rad."""
+        self._released = math.nan
         self.images = 2
         """How many the person counts: the dial is divided by them."""
         self.swings = 3
@@ -136,6 +137,11 @@ class BenchState:
         """
         check_release(angle)
         self.release = angle
+
+    def note_release(self, angle: float) -> None:
+        """Note that the pendulum was asked to be let go from an angle, rad."""
+        self._released = angle
+        self.notify(f'released from {angle:.4g} rad')
 
     def set_paused(self, *, paused: bool) -> None:
         """Note whether time stands still."""
@@ -213,7 +219,14 @@ class BenchState:
         if self.watch.runs:
             self.notify('not written down: stop the watch first (space)')
             return
-        row = Row(run=self.run, forcing_rpm=self.forcing, period_s=self.period(now))
+        row = Row(
+            run=self.run,
+            forcing_rpm=self.forcing,
+            period_s=self.period(now),
+            display_s=self.watch.shown(now),
+            swings=self.swings,
+            release_rad=self._released,
+        )
         try:
             self.notebook.write_down(row)
         except (TableError, OSError) as error:

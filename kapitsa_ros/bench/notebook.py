@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,13 +18,22 @@ if TYPE_CHECKING:
     from pathlib import Path
 
 
+_COLUMNS = ('forcing_rpm', 'period_s', 'release_rad', 'swings', 'display_s', 'run')
+
+
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One line of the table."""
+    """One line of the table: what was read, and what it was read of."""
 
     run: int
     forcing_rpm: float
     period_s: float
+    display_s: float
+    """On the stopwatch."""
+    swings: int
+    """That the display stands for."""
+    release_rad: float
+    """From which the pendulum was last let go; nan where it never was."""
 
 
 class Notebook:
@@ -81,10 +91,15 @@ class Notebook:
     def _save(self, rows: list[Row]) -> None:
         """Put the whole table in place of the old one, so that it is never half-written."""
         if rows:
-            lines = ['forcing_rpm,period_s', *(f'{row.forcing_rpm:.10g},{row.period_s:.10g}' for row in rows)]
+            lines = [','.join(_COLUMNS), *(_line(row) for row in rows)]
             draft = self.path.with_name(f'.{self.path.name}.new')
             draft.write_text('\n'.join(lines) + '\n', encoding='utf-8')
             draft.replace(self.path)
         else:
             self.path.unlink(missing_ok=True)
         self.rows = rows
+
+
+def _line(row: Row) -> str:
+    values = (getattr(row, name) for name in _COLUMNS)
+    return ','.join('' if math.isnan(value) else f'{value:.10g}' for value in values)

@@ -27,7 +27,7 @@ from kapitsa_ros.bench.drawing import draw_dial, draw_marks, draw_rod, draw_rule
 from kapitsa_ros.bench.notebook import Notebook, Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.configuration.instrument_sets import load_instruments
-from kapitsa_ros.configuration.tables import read_table
+from kapitsa_ros.configuration.tables import read_table, read_timings
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe import StrobeReading
@@ -127,21 +127,28 @@ def test_a_watch_that_runs_fast():
     assert watch.shown(3.0) == pytest.approx(2.2)
 
 
+def row(rpm: float, period: float) -> Row:
+    return Row(run=1, forcing_rpm=rpm, period_s=period, display_s=3 * period, swings=3, release_rad=-0.1)
+
+
 def test_the_notebook_is_on_disk_with_every_line(tmp_path: Path):
     path = tmp_path / 'mine.csv'
     book = Notebook(path)
     assert book.strike_out() is None
     for rpm, period in ((2240.0, 0.61), (2640.0, 0.4733333333), (2780.0, 0.44)):
-        book.write_down(Row(run=1, forcing_rpm=rpm, period_s=period))
+        book.write_down(row(rpm, period))
     assert read_table(path).forcing / RPM == pytest.approx([2240, 2640, 2780])
     assert read_table(path).period == pytest.approx([0.61, 0.4733333333, 0.44], rel=1e-9)
-    assert book.strike_out() == Row(run=1, forcing_rpm=2780.0, period_s=0.44)
+    written = read_timings(path).rows
+    assert [(each.run, each.swings, each.release) for each in written] == [(1, 3, -0.1)] * 3
+    assert [each.displayed for each in written] == pytest.approx([1.83, 1.42, 1.32], rel=1e-9)
+    assert book.strike_out() == row(2780.0, 0.44)
     assert read_table(path).forcing.size == 2
-    for wrong in (Row(run=1, forcing_rpm=0.0, period_s=1.0), Row(run=1, forcing_rpm=2240.0, period_s=0.0)):
+    for wrong in (row(0.0, 1.0), row(2240.0, 0.0)):
         with pytest.raises(TableError, match='lamp'):
             book.write_down(wrong)
     with pytest.raises(TableError, match='should take many turns'):
-        book.write_down(Row(run=1, forcing_rpm=40.0, period_s=0.5))
+        book.write_down(row(40.0, 0.5))
     assert len(book.rows) == read_table(path).forcing.size == 2
     book.strike_out()
     book.strike_out()
