@@ -10,7 +10,7 @@ import numpy as np
 from kapitsa_ros._api.inputs import as_plant, as_readings, as_timings
 from kapitsa_ros._api.result import describe, figures, interval_text, speed_text
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
-from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
+from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
 from kapitsa_ros.data_frame import data_frame

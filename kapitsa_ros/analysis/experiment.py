@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_from_motion, evidence_of
+from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_from_motion, evidence_of, ruler_of
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -18,7 +18,7 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.critical_speed import Evidence, Ruler
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
     from kapitsa_ros.analysis.table import Readings
@@ -35,6 +35,8 @@ class Experiment:
     """The best estimate: the exact curve fitted to all that was read."""
     interval: tuple[float | None, float | None] | None
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
+    ruler: Ruler
+    """What the ruler said of the stroke."""
     timings: tuple[TimingRow, ...]
     """Each timing and fall, as read and as taken; none where the motion was analysed instead."""
     discrepancy: float | None
@@ -68,7 +70,7 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
     """
     plant = plant_of(runs)
     rows = timing_rows(runs)
-    return _reduce(plant, evidence_of(rows), rows)
+    return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows)
 
 
 def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_ESTIMATOR) -> tuple[Experiment, Readings]:
@@ -89,7 +91,7 @@ def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_EST
     """
     plant = plant_of([each.run for each in recorded])
     evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
-    return _reduce(plant, evidence, ()), evidence.timed
+    return _reduce(plant, evidence, ruler_of(recorded[0].run), ()), evidence.timed
 
 
 def plant_of(runs: Sequence[Run]) -> Plant:
@@ -114,15 +116,16 @@ def ideal_rod(plant: Plant) -> Plant:
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
 
 
-def _reduce(plant: Plant, evidence: Evidence, timings: Sequence[TimingRow]) -> Experiment:
+def _reduce(plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[TimingRow]) -> Experiment:
     try:
-        best = direct_fit(evidence, Ruler(amplitude=plant.amplitude), plant.gravity)
+        best = direct_fit(evidence, ruler, plant.gravity)
     except NothingTimedError:
         best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
         discrepancy=None if best is None else best.discrepancy,
+        ruler=ruler,
         timings=tuple(timings),
         inverse_ols=_fit(fit_inverse_ols, evidence.timed),
         ols=_fit(fit_ols, evidence.timed),

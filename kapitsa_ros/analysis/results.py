@@ -35,6 +35,7 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'error_percent': experiment.error_percent,
         'truth_rpm': in_rpm(experiment.truth),
         'deviation_percent': experiment.deviation_percent,
+        'ruler': {'amplitude_m': experiment.ruler.amplitude, 'sigma_m': experiment.ruler.sigma},
         'timings': [timing_values(row) for row in experiment.timings],
     }
 

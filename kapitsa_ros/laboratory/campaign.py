@@ -13,12 +13,10 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
-from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
+from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_of, ruler_of
 from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.instruments.random_streams import random_stream
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -65,17 +63,13 @@ class Campaign:
 
 
 def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
-    """Carry out one experiment and reduce its readings.
-
-    The ruler is an instrument too: what it says of the stroke errs by its standard error, once an experiment.
-    """
+    """Carry out one experiment and reduce its readings."""
     begin = time.process_time()
     seeded = replace(experiment, seed=seed)
-    slip = RULER_SIGMA * float(random_stream(seed, 'ruler', 0).standard_normal())
-    ruler = Ruler(amplitude=experiment.plant.amplitude + slip)
-    evidence = evidence_of(timing_rows(seeded.runs()))
+    runs = seeded.runs()
+    evidence = evidence_of(timing_rows(runs))
     try:
-        fit: CriticalSpeed | None = direct_fit(evidence, ruler, experiment.plant.gravity)
+        fit: CriticalSpeed | None = direct_fit(evidence, ruler_of(runs[0]), experiment.plant.gravity)
     except NothingTimedError:
         fit = None  # nothing was timed
     return Outcome(

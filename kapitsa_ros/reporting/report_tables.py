@@ -21,14 +21,16 @@ _BLANK = ('', '', '')
 
 def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
     """Return the report's tables with a column of 1997 and a column of the rig."""
-    return [_parameters(plant), _measurements(values), _critical_speed(values)]
+    return [_parameters(plant, values['ruler']), _measurements(values), _critical_speed(values)]
 
 
-def _parameters(plant: Plant) -> Table:
+def _parameters(plant: Plant, ruler: Mapping[str, float]) -> Table:
     table = _table('Table 1: experimental parameters', '', '1997', 'rig')
     report = Plant()
     for name, field in (('L', 'length'), ('λ', 'amplitude')):
         table.add_row(name, *(f'{getattr(each, field) / INCH:.4g} in' for each in (report, plant)))
+    amplitude, sigma = (1e3 * ruler[name] for name in ('amplitude_m', 'sigma_m'))
+    table.add_row('λ by the ruler', '', f'({amplitude:.3f} ± {sigma:.3f}) mm')
     return table
 
 

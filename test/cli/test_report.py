@@ -8,7 +8,7 @@ from click.testing import CliRunner
 pytest.importorskip('matplotlib')
 pytest.importorskip('jinja2')
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
+from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_of, ruler_of
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.cli.commands.report import report
@@ -78,7 +78,7 @@ def test_tables_and_figures_of_1997_stand_beside_the_runs(page, runs):
         assert f'aria-label="Figure {number}' in page
     for figure in ('1640.0', '1636.2', '1353.06', '+21.2 %', f'{runs[0].run.period:.3f}'):
         assert figure in reader.text
-    fit = direct_fit(evidence_of(timing_rows([run.run for run in runs])), Ruler(amplitude=runs[0].run.plant.amplitude))
+    fit = direct_fit(evidence_of(timing_rows([run.run for run in runs])), ruler_of(runs[0].run))
     assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
     assert 'inertia factor, large swing, amplitude, stopwatch scale' in reader.text
 
@@ -96,7 +96,7 @@ def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
 def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
     reader = _Reader()
     reader.feed(render(of_one_bag))
-    fit = direct_fit(evidence_of(timing_rows([runs[0].run])), Ruler(amplitude=runs[0].run.plant.amplitude))
+    fit = direct_fit(evidence_of(timing_rows([runs[0].run])), ruler_of(runs[0].run))
     assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
     assert 'Single causes against the readings of these runs' not in reader.text
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from kapitsa_ros.analysis.critical_speed import ruler_of
 from kapitsa_ros.analysis.experiment import Experiment, reduce_runs
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.analysis.results import experiment_values
@@ -63,3 +64,18 @@ def test_a_reading_at_a_wrong_flash_rate_is_repaired_for_all_estimates_alike_and
     assert values['inverse_rpm'] == pytest.approx((by_hand.omega_crit or 0.0) / RPM, rel=1e-9)
     assert values['error_percent'] == pytest.approx(100 * (values['inverse_rpm'] / values['predicted_rpm'] - 1))
     assert values['deviation_percent'] == pytest.approx(100 * (values['omega_crit_rpm'] / values['truth_rpm'] - 1))
+
+
+def test_the_ruler_errs_by_the_seed_and_a_perfect_set_has_a_perfect_one() -> None:
+    def read(instruments: str, seed: int) -> float:
+        protocol = Protocol(speeds=(2240 * RPM,))
+        experiment = SimulatedExperiment(
+            plant=Plant(), instruments=load_instruments(instruments), protocol=protocol, seed=seed
+        )
+        return ruler_of(experiment.runs()[0]).amplitude
+
+    assert read('ideal', 1) == Plant().amplitude
+    slips = [read('1997', seed) - Plant().amplitude for seed in range(1, 21)]
+    assert len(set(slips)) == 20
+    assert slips[0] == read('1997', 1) - Plant().amplitude
+    assert 0.06e-3 < np.std(slips) < 0.21e-3  # 0.125 mm, to three standard errors of twenty

@@ -2,8 +2,9 @@
 
 from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, direct_fit
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import LineFit, errors_in_variables
-from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler, evidence_of
+from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, evidence_of
 from kapitsa_ros.analysis.critical_speed.from_motion import evidence_from_motion
+from kapitsa_ros.analysis.critical_speed.ruler import Ruler, ruler_of
 
 __all__ = [
     'Bound',
@@ -15,4 +16,5 @@ __all__ = [
     'errors_in_variables',
     'evidence_from_motion',
     'evidence_of',
+    'ruler_of',
 ]

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed.evidence import Evidence
+    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 
 _MOST_PASSES = 10  # of the swing's width, whose effect hangs weakly on the fit
 _SETTLED = 1e-3  # standard errors that the last pass may move the threshold

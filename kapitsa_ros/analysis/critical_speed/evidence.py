@@ -1,4 +1,4 @@
-"""What a blind analyst has in hand: readings with their errors, falls, and a ruler."""
+"""What a blind analyst has in hand: readings with their errors, and falls."""
 
 from __future__ import annotations
 
@@ -16,19 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.timing_row import TimingRow
-
-RULER_SIGMA = 0.125e-3
-"""m; of λ, half of what a steel ruler leaves open of the stroke between its two ends (0.25 mm)."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ruler:
-    """What a ruler says of the stroke."""
-
-    amplitude: float
-    """λ, m."""
-    sigma: float = RULER_SIGMA
-    """Standard error, m."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,7 +50,8 @@ def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
     """Gather what timings say; those that are marked as unused say nothing.
 
     Timings of a run that share a reading of the dial err with it together. They become one row: the mean of their
-    periods, weighted by their errors, which is the fit of one period to all their displays.
+    periods, weighted by their errors, which is the fit of one period to all their displays. Of falls that share one
+    counts that from the smallest angle, which says most, and of swings that stopped one.
 
     Raises
     ------
@@ -72,22 +60,24 @@ def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
 
     """
     shared: dict[object, list[TimingRow]] = {}
-    bounds: dict[str, list[Bound]] = {'fell': [], 'stopped': []}
+    bounds: dict[str, dict[object, Bound]] = {'fell': {}, 'stopped': {}}
     for number, row in enumerate(rows):
         if row.unused is not None or row.speed is None:
             continue
+        key = number if row.run is None else (row.run, row.speed_asked, row.speed_reading, row.speed)
         if row.kind == 'timed':
-            key = number if row.run is None else (row.run, row.speed_asked, row.speed_reading, row.speed)
             shared.setdefault(key, []).append(row)
         else:
-            bounds[row.kind].append(Bound(speed=row.speed, sigma=row.speed_sigma, release=abs(row.release or 0.0)))
+            bound = Bound(speed=row.speed, sigma=row.speed_sigma, release=abs(row.release or 0.0))
+            known = bounds[row.kind].setdefault(key, bound)
+            bounds[row.kind][key] = min(known, bound, key=lambda each: each.release)
     columns = np.array([_together(timings) for timings in shared.values()], dtype=np.float64).reshape(-1, 6).T
     return Evidence(
         timed=Readings(*columns[:4]),
         release=columns[4],
         swings=columns[5],
-        fell=tuple(bounds['fell']),
-        stood=tuple(bounds['stopped']),
+        fell=tuple(bounds['fell'].values()),
+        stood=tuple(bounds['stopped'].values()),
     )
 
 

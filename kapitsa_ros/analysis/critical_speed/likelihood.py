@@ -16,7 +16,8 @@ from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence
+    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
     from kapitsa_ros.physics.plant import Plant
 
 DAMPING_SIGMA = 0.5

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
 from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA, FLOOR
+from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
 from kapitsa_ros.analysis.strobe_alias import dial_sigma

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros._api.reduce import reduce as call
-from kapitsa_ros.analysis.critical_speed.evidence import RULER_SIGMA
+from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.cli.options import LENGTH, json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.units import RPM, in_rpm, interval_text

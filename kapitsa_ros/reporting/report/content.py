@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
+from kapitsa_ros.analysis.critical_speed import direct_fit, errors_in_variables, evidence_of, ruler_of
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
 from kapitsa_ros.analysis.explain import explain
@@ -26,7 +26,7 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.critical_speed import Evidence, Ruler
     from kapitsa_ros.analysis.explain import Ranking
     from kapitsa_ros.analysis.plan import Plan, Separation
     from kapitsa_ros.analysis.recorded_run import RecordedRun
@@ -79,6 +79,7 @@ class Content:
 
     runs: tuple[RecordedRun, ...]
     plant: Plant
+    ruler: Ruler
     timings: tuple[TimingRow, ...]
     """What was read in these runs, with the repairs that the estimates rest on."""
     timed: Readings
@@ -106,17 +107,18 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
     rows = timing_rows(blind)
-    evidence = evidence_of(rows)
+    evidence, ruler = evidence_of(rows), ruler_of(blind[0])
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
     return Content(
         runs=tuple(runs),
         plant=plant,
+        ruler=ruler,
         timings=tuple(rows),
         timed=evidence.timed,
         of_1997=of_1997,
-        estimates=_estimates(evidence, nominal, of_1997),
+        estimates=_estimates(evidence, ruler, nominal.gravity, of_1997),
         predicted=omega_crit_averaged(nominal),
         truth=true_threshold(plant),
         verdicts=tuple(verdicts),
@@ -126,15 +128,11 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     )
 
 
-def _estimates(evidence: Evidence, nominal: Plant, theirs: Readings) -> tuple[Estimate, ...]:
+def _estimates(evidence: Evidence, ruler: Ruler, gravity: float, theirs: Readings) -> tuple[Estimate, ...]:
     """Fit lines and curve to the same rows."""
     line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
     backward, forward = _or_none(fit_inverse_ols, evidence.timed), _or_none(fit_ols, evidence.timed)
-    curve = (
-        direct_fit(evidence, Ruler(amplitude=nominal.amplitude), nominal.gravity)
-        if evidence.timed.period.size
-        else None
-    )
+    curve = direct_fit(evidence, ruler, gravity) if evidence.timed.period.size else None
     return (
         Estimate(
             name='ω² on Ω², as in 1997',
