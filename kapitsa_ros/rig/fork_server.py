@@ -34,9 +34,11 @@ START = b'start'
 def serve(requests: socket.socket) -> None:
     """Fork a node for each request, and tell how each ends, until the process that asks is gone or has no more to ask.
 
-    Nodes that still run then find that their parent is gone, and leave.
+    Nodes that still run then find that their parent is gone, and leave. One whose end nobody wants to hear of any more
+    is asked to leave.
     """
     nodes: dict[int, tuple[int, int]] = {}
+    heard: dict[int, int] = {}
     poll = select.poll()
     poll.register(requests, select.POLLIN)
     while True:
@@ -56,12 +58,18 @@ def serve(requests: socket.socket) -> None:
                     continue
                 _close(files)
                 _tell(report, str(pid), pidfd)
-                nodes[pidfd] = pid, report
+                nodes[pidfd], heard[report] = (pid, report), pid
                 poll.register(pidfd, select.POLLIN)
-            else:
+                poll.register(report, 0)  # its other end is closed: that is always told
+            elif descriptor in heard:
+                poll.unregister(descriptor)
+                os.kill(heard.pop(descriptor), signal.SIGTERM)
+            elif descriptor in nodes:
                 poll.unregister(descriptor)
                 os.close(descriptor)
                 pid, report = nodes.pop(descriptor)
+                if heard.pop(report, None):
+                    poll.unregister(report)
                 _tell(report, str(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))
                 os.close(report)
 
@@ -147,7 +155,6 @@ def preload() -> None:
 
 if __name__ == '__main__':
     leave_on_signals()
-    signal.signal(signal.SIGPIPE, signal.SIG_IGN)
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     with socket.socket(fileno=int(sys.argv[1])) as asking:
         preload()

@@ -12,7 +12,7 @@ import pytest
 
 from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.rig import Rig, RigError
+from kapitsa_ros.rig import Rig, RigError, fork_server_process
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
@@ -70,6 +70,24 @@ def test_a_killed_server_ends_the_rig_and_its_nodes_in_order(
         assert not RunBag(bag).complete
     with Rig() as rig:
         rig.wait_for('pendulum/motion')
+
+
+def test_a_node_whose_start_was_interrupted_leaves(
+    domain: int, eventually: Callable[[Callable[[], Any]], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As by Ctrl-C before its process id was heard, while other rigs go on to use the server."""
+
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with fork_server() as server:
+        with monkeypatch.context() as patch:
+            patch.setattr(fork_server_process, 'ForkedProcess', interrupt)
+            with pytest.raises(KeyboardInterrupt):
+                NodeGroup(['strobe'], {}, domain)
+        with NodeGroup(['strobe'], {}, domain) as nodes:  # forked after the other
+            children = Path(f'/proc/{server.pid}/task/{server.pid}/children')
+            eventually(lambda: children.read_text().split() == [str(nodes['strobe'].pid)])
 
 
 def test_a_server_that_is_gone_is_named(own_server: ForkServerProcess, domain: int) -> None:
