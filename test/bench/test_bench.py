@@ -238,8 +238,12 @@ def test_a_reading_is_written_down_when_it_is_whole(state: BenchState):
     state.write_down(2.0)
     assert state.messages[-1].startswith('not written down: stop the watch')
     state.press_watch(2.83)
+    state.note_release(-0.2)
+    state.set_release(0.3)  # the next one's
     state.write_down(9.0)
-    assert state.notebook.rows == [Row(run=1, forcing_rpm=2240.0, period_s=pytest.approx(0.61))]
+    [written] = state.notebook.rows
+    assert (written.run, written.forcing_rpm, written.swings, written.release_rad) == (1, 2240.0, 3, -0.2)
+    assert (written.display_s, written.period_s) == pytest.approx((1.83, 0.61))
     assert state.watch.shown(9.0) == 0.0
     state.write_down(9.0)
     assert len(state.notebook.rows) == 1
