@@ -26,6 +26,8 @@ class BenchClock:
 
     def __init__(self, rate: float) -> None:
         self._rate = rate
+        self.standing = False
+        """Whether the rig is paused: the time is that of the newest block, none is under way."""
         self._offset: float | None = None
         self._marks: deque[tuple[float, float]] = deque()
         self.restart()
@@ -73,7 +75,7 @@ class BenchClock:
         """Return the simulated time, s of the run: it never goes back, and not beyond what is known."""
         if self._offset is None:
             return self._shown
-        led = self._end if self._rate == 0 else self._rate * wall + self._offset
+        led = self._end if self._rate == 0 or self.standing else self._rate * wall + self._offset
         self._shown = max(self._shown, min(led, self._end))
         return self._shown
 

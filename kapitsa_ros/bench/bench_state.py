@@ -145,7 +145,7 @@ class BenchState:
 
     def set_paused(self, *, paused: bool) -> None:
         """Note whether time stands still."""
-        self.paused = paused
+        self.paused = self.clock.standing = paused
         self.clock.measure_anew()
 
     def turn_dial(self, dial: float) -> None:

@@ -96,6 +96,19 @@ def test_the_clock_never_goes_back_within_a_run():
     assert clock.now(11.0) == 0.0
 
 
+def test_the_clock_of_a_paused_rig_stands_at_the_end_of_what_is_known(state: BenchState):
+    """A watch that is pressed then would else be started within a block that is over."""
+    state.clock.follow(10.0, 0.0, 0.1)
+    assert state.clock.now(10.03) == pytest.approx(0.03)
+    state.set_paused(paused=True)
+    assert state.clock.now(10.031) == state.clock.now(10.04) == 0.1
+    state.clock.follow(12.0, 0.1, 0.2)  # a single step
+    assert state.clock.now(12.001) == 0.2
+    state.set_paused(paused=False)
+    state.clock.follow(20.0, 0.2, 0.3)
+    assert state.clock.now(20.05) == pytest.approx(0.25)
+
+
 def test_the_clock_measures_the_rate():
     clock = BenchClock(rate=0.0)
     assert math.isnan(clock.measured_rate(0.0))
