@@ -11,6 +11,8 @@ from pathlib import Path
 import pytest
 from ament_index_python.packages import get_package_prefix, get_packages_with_prefixes
 
+from kapitsa_ros.rig.environment import loopback
+
 ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player'}
 CHECKOUT = Path(__file__).parents[1]
 
@@ -71,7 +73,7 @@ def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
         }
         return subprocess.Popen(
             [Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros' / role, '--ros-args', *arguments],
-            env=os.environ | environment,
+            env=os.environ | loopback() | environment,  # other transports leave their ports in /dev/shm
             cwd=index,
             stderr=subprocess.PIPE,
             text=True,
