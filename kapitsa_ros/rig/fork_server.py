@@ -23,7 +23,7 @@ from typing import NoReturn
 import setproctitle
 
 from kapitsa_ros.ros.arguments import PARENT_OPTION
-from kapitsa_ros.ros.signals import leave_on_signals
+from kapitsa_ros.ros.signals import SIGNALS, leave_on_signals
 
 DESCRIPTORS = 4
 """That come with a request."""
@@ -83,9 +83,14 @@ def _tell(report: int, text: str, *descriptors: int) -> None:
 def _fork(files: list[int], requests: socket.socket) -> tuple[int, int]:
     """Make a process that becomes the node; return its id and a descriptor of it."""
     parent = os.getpid()
-    with warnings.catch_warnings():
-        warnings.simplefilter('ignore', DeprecationWarning)  # Python 3.12 warns of LTTng's threads
-        pid = os.fork()
+    # A signal that comes before Python has made itself at home in the child would be lost.
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore', DeprecationWarning)  # Python 3.12 warns of LTTng's threads
+            pid = os.fork()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
     if not pid:
         status = 1
         try:

@@ -12,14 +12,14 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 _RCLPY_SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_SIGNALS = (*_RCLPY_SIGNALS, signal.SIGHUP)
+SIGNALS = (*_RCLPY_SIGNALS, signal.SIGHUP)
 _pending: set[int] = set()
 
 
 @contextmanager
 def restoring_signals() -> Iterator[None]:
     """Give the signals back to the program, as they were, when the context is left."""
-    handlers = {number: signal.getsignal(number) for number in _SIGNALS}
+    handlers = {number: signal.getsignal(number) for number in SIGNALS}
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, ())
     try:
         yield
@@ -32,14 +32,14 @@ def restoring_signals() -> Iterator[None]:
 
 def leave_on_signals() -> None:
     """Exit at once with status 0 on a signal; for the time before anything is open."""
-    for number in _SIGNALS:
+    for number in SIGNALS:
         if signal.getsignal(number) is not signal.SIG_IGN:  # as nohup sets SIGHUP
             signal.signal(number, lambda *_: os._exit(0))
 
 
 def hold_signals_back() -> None:
     """Block signals: while rclpy installs its handlers, and once it has removed them."""
-    signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+    signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
     # The threads of libraries do not wait: what reaches one of them is kept. rclpy passes a signal on to the handler it
     # found, and puts it back when it is done: to keep it does no harm, neither in the middle of the shutdown nor, where
     # a signal comes twice, on the way out.
@@ -49,7 +49,7 @@ def hold_signals_back() -> None:
 
 def ignore_signals() -> None:
     """Ignore signals until the process has ended; Python would restore handlers that end it with another status."""
-    for number in _SIGNALS:
+    for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 
 
