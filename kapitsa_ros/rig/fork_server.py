@@ -97,8 +97,10 @@ def _fork(files: list[int], requests: socket.socket) -> tuple[int, int]:
             requests.detach()  # its destructor would close whatever has its number by then
             status = _become_node(files, parent)
         except BaseException:  # noqa: BLE001  # nothing of the server may go on in this process
-            traceback.print_exc()
-        _leave(status)
+            with suppress(Exception):  # whoever would read it may be gone
+                traceback.print_exc()
+        finally:
+            _leave(status)
     try:
         return pid, os.pidfd_open(pid)
     except OSError:
@@ -135,8 +137,10 @@ def _close(descriptors: list[int]) -> None:
 
 
 def _leave(status: int) -> NoReturn:
-    sys.stderr.flush()
-    os._exit(status)
+    try:
+        sys.stderr.flush()
+    finally:
+        os._exit(status)
 
 
 def preload() -> None:

@@ -14,6 +14,7 @@ from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig import Rig, RigError, fork_server_process
 from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.file_in_memory import file_in_memory
 from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
 
@@ -89,6 +90,19 @@ def test_a_node_whose_start_was_interrupted_leaves(
         with NodeGroup(['stopwatch'], {}, domain) as nodes:  # forked after the others
             children = Path(f'/proc/{server.pid}/task/{server.pid}/children')
             eventually(lambda: children.read_text().split() == [str(nodes['stopwatch'].pid)])
+
+
+def test_a_node_that_nobody_reads_ends_where_it_cannot_say_why(
+    domain: int, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    with fork_server() as server:
+        pipe, stderr = os.pipe()
+        os.close(pipe)
+        with file_in_memory('/**: {ros__parameters: {length: -1.0}}') as parameters:
+            node = server.start('pendulum', parameters.fileno(), stderr, domain)
+        os.close(stderr)
+        eventually(lambda: node.status() is not None)
+        node.close()
 
 
 def test_a_server_that_is_gone_is_named(own_server: ForkServerProcess, domain: int) -> None:
