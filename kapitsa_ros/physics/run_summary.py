@@ -9,15 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.flexible_rod import simulate_flexible
+from kapitsa_ros.physics.flexible_rod import FlexibleTrajectory, simulate_flexible
 from kapitsa_ros.physics.theory.floquet import is_stable, slow_frequency_exact
 from kapitsa_ros.physics.theory.floquet_amplitude import mean_growth, mean_turn, slow_amplitude
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.physics.theory.play import omega_crit_with_play
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.physics.flexible_rod import BendingMode, FlexibleTrajectory
+    from kapitsa_ros.physics.flexible_rod import BendingMode
+    from kapitsa_ros.physics.plant import Plant
     from kapitsa_ros.physics.release import Release, Trajectory
 
 SMALL = 0.3  # rad: a falling rod is watched up to here, while its equation is nearly linear
@@ -59,7 +61,8 @@ def summarise_run(release: Release, duration: float, bending: BendingMode | None
     else:  # once a turn, though not at the bottom: that neither turns nor stretches the slow motion
         orbit = simulate_flexible(release, bending, max(turns, 1) * turn, 1.0 / turn)
     amplitude = slow_amplitude(plant, speed, orbit.angle, orbit.rate)
-    falls = orbit.fell or (bending is None and not is_stable(plant, speed))
+    held = isinstance(orbit, FlexibleTrajectory) or orbit.stuck
+    falls = orbit.fell or not (held or _stands(plant, speed))
     swinging = amplitude[
         : _end(np.abs(orbit.angle) < SMALL if falls else np.abs(amplitude) > ALIVE * abs(amplitude[0]))
     ]
@@ -75,6 +78,16 @@ def summarise_run(release: Release, duration: float, bending: BendingMode | None
     watched = duration if swinging.size == amplitude.size else swinging.size * turn
     periods = frequency * watched / (2.0 * math.pi)
     return RunSummary(frequency=frequency, growth=growth, periods=periods, falls=False)
+
+
+def _stands(plant: Plant, speed: float) -> bool:
+    """Tell whether upright is stable; play lowers the threshold."""
+    if is_stable(plant, speed) or plant.clearance == 0.0:
+        return is_stable(plant, speed)
+    try:
+        return speed >= omega_crit_with_play(plant)
+    except PhysicsError:
+        return False
 
 
 def _frequency(release: Release, swinging: NDArray[np.complex128], turn: float, *, rigid: bool) -> float | None:

@@ -133,6 +133,17 @@ def test_an_unstable_rod_that_has_not_fallen_yet_has_its_growth():
     assert 'unstable' not in CliRunner().invoke(simulate, RUN).output
 
 
+@pytest.mark.parametrize(
+    'more',
+    [
+        ['--speed', '1300', '--release', '0.05', '--clearance', '2mm'],  # its threshold is 1251 RPM
+        ['--speed', '1300', '--release', '1e-4', '--coulomb', '2'],
+    ],
+)
+def test_what_play_or_friction_holds_up_is_not_said_to_fall(more):
+    assert 'unstable' not in CliRunner().invoke(simulate, [*more, '--duration', '3']).output
+
+
 @pytest.mark.parametrize(('restitution', 'slow'), [(0.0, 132.8), (0.8, 132.4), (0.85, 133.5), (0.9, 133.2)])
 def test_impacts_in_the_play_are_not_taken_for_turns(restitution, slow):
     """By zero crossings: 132.8, 132.3, 133.3, 133.2 RPM."""

@@ -3,8 +3,8 @@
 import os
 import select
 import signal
-import time
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -26,9 +26,10 @@ pytestmark = pytest.mark.xdist_group('harness')
 def own_server() -> Iterator[ForkServerProcess]:
     """Give a server to be killed: a new one, where the tests of this process share another."""
     with fork_server() as shared:
-        os.kill(shared.pid, signal.SIGKILL)
-        while not shared.has_ended():
-            time.sleep(0.01)
+        with closing(os.fdopen(os.pidfd_open(shared.pid))) as watch:
+            os.kill(shared.pid, signal.SIGKILL)
+            assert select.select([watch], [], [], PATIENCE)[0]
+        assert shared.has_ended()
         with fork_server() as server:
             assert server.pid != shared.pid
             yield server

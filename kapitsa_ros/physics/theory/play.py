@@ -65,7 +65,7 @@ def omega_crit_with_play(plant: Plant) -> float:
 
 
 def _excess(plant: Plant, speed: float) -> float:
-    """Return by how much the trace of the monodromy exceeds what it has where a multiplier is +1; as a rate where not.
+    """Return by how much the trace of the monodromy exceeds what it has where a multiplier is +1.
 
     With multipliers μ₁μ₂ = d = e^(−cT), one of them is 1 where their sum is 1 + d.
     """
