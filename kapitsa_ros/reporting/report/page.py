@@ -35,10 +35,11 @@ def render(content: Content) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters.update(rpm=_rpm, inch=_inch, number=_number, ends=_ends)
     template = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
+    timings = [timing_values(row) for row in content.timings]
     return template.render(
         content=content,
-        timings=[timing_values(row) for row in content.timings],
-        repairs=repairs({'timings': [timing_values(row) for row in content.timings]}),
+        timings=timings,
+        repairs=repairs({'timings': timings}),
         report=Plant(),
         trials={trial.name: trial for trial in content.trials},
         as_built_on_bearing=AS_BUILT_ON_BEARING,
