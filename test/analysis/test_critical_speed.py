@@ -5,6 +5,7 @@ import pytest
 from scipy.stats import norm
 
 from kapitsa_ros.analysis.critical_speed import Bound, Evidence, Ruler, direct_fit, errors_in_variables
+from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.strobe_alias import find_alias
 from kapitsa_ros.analysis.table import Readings
@@ -17,6 +18,7 @@ from kapitsa_ros.units import RPM
 
 SPEEDS = np.array([2240.0, 2640.0, 2780.0]) * RPM
 IDEAL = Plant()
+ONLY_LIGHT_DAMPING = Assumptions(play_probability=0.0, heavy_damping_probability=0.0, coulomb_probability=0.0)
 
 
 def readings(forcing, period, period_sigma=0.033, forcing_sigma=0.0):
@@ -54,10 +56,11 @@ def test_exact_periods_give_the_exact_threshold_whatever_the_rod(plant):
         of_timed(timed),
         Ruler(amplitude=plant.amplitude),
         plant.gravity,
+        ONLY_LIGHT_DAMPING,
     )
     truth = omega_crit_exact(plant)
     assert fit.omega_crit == pytest.approx(truth, rel=2e-5)
-    assert fit.interval[0] < truth < fit.interval[1] < 1.004 * truth
+    assert fit.interval[0] < truth < fit.interval[1] < 1.006 * truth
     assert fit.k == pytest.approx(plant.k, rel=1e-3)
 
 
@@ -74,9 +77,12 @@ def test_wrong_ruler_is_overruled_by_exact_periods():
     assert fit.interval[0] / RPM < 1354.80 < fit.interval[1] / RPM
 
 
-def test_interval_is_where_the_profile_rises_by_its_quantile():
+def test_interval_without_other_causes_is_where_chi_squared_rises_by_its_quantile():
     # with a very good ruler one parameter is left, and the profile can be computed by hand
-    fit = direct_fit(evidence(IDEAL, 0.033), Ruler(amplitude=0.0127, sigma=1e-9))
+    light = Assumptions(
+        play_probability=0.0, heavy_damping_probability=0.0, coulomb_probability=0.0, light_damping=1e-3
+    )
+    fit = direct_fit(evidence(IDEAL, 0.033), Ruler(amplitude=0.0127, sigma=1e-9), assumptions=light)
 
     def chi_squared(omega_crit):
         factor = (omega_crit_exact(IDEAL) / omega_crit) ** 2  # k goes as ω_crit⁻², but for the small term of q²
@@ -86,7 +92,7 @@ def test_interval_is_where_the_profile_rises_by_its_quantile():
         return float(np.sum((periods(IDEAL) - 2 * np.pi / (slow * width)) ** 2) / 0.033**2)
 
     for end in fit.interval:
-        assert chi_squared(end) == pytest.approx(3.841, rel=0.02)
+        assert chi_squared(end) == pytest.approx(3.841, rel=0.05)  # the tails of a posterior, not the rise of a profile
 
 
 def bound(rpm):

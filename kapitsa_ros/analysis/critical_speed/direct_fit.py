@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import OptimizeResult, brentq, least_squares
+from scipy.optimize import OptimizeResult, least_squares
 
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.critical_speed.excess_scatter import excess_scatter, improbable, rise_95
-from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA, Likelihood
+from kapitsa_ros.analysis.critical_speed.likelihood import Likelihood
+from kapitsa_ros.analysis.critical_speed.posterior import Posterior, posterior
 from kapitsa_ros.analysis.errors import NothingTimedError
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import G_STANDARD
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
@@ -26,7 +29,9 @@ if TYPE_CHECKING:
 
 _MOST_PASSES = 10  # of the swing's width, whose effect hangs weakly on the fit
 _SETTLED = 1e-3  # standard errors that the last pass may move the threshold
-_REACH = 12  # times that the search for an end triples its distance
+_NO_ROD = 1e8  # standard errors
+_HALVINGS = 16
+_MIDDLE_90 = 1.6449  # standard errors of a normal distribution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,30 +41,32 @@ class CriticalSpeed:
     omega_crit: float
     """rad/s, exact threshold of the best-fitting plant."""
     interval: tuple[float | None, float | None]
-    """95 % by profile likelihood, rad/s; an end is None where it is unbounded."""
+    """95 %, rad/s, play and damping that do not show allowed for; an end is None where it is unbounded."""
     amplitude: float
     """λ, m, the ruler's word included."""
     k: float
     """m·l_c/I, 1/m, wherever the mass may sit in the rod."""
     chi_squared: float
     """At the best fit with the errors stated, the ruler's and the bounds' share included."""
+    play_probability: float
+    """That the pivot has play, by these readings."""
+    heavy_damping_probability: float
+    """That damping is not light, by these readings."""
     discrepancy: float | None = 0.0
     """Relative error of the periods beyond the stated ones, by which the runs agree; None where none makes them."""
 
 
-def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) -> CriticalSpeed:
-    """Fit the exact Floquet curve Ω(ω; k, λ, c) to periods, falls and what a ruler says of λ.
+class CurveFit:
+    """The best rod without play, with light damping, and all that is possible besides.
 
     k is free: a ruler does not see where the rod's mass sits, and its length enters nowhere else. λ has the ruler's
-    normal prior, c a half-normal one. Periods are corrected for the width of the swing by the nonlinear map at the
-    commanded release; the width wanes with c, which stands for all friction there. Errors of the speed count by their
-    effect on the period (effective variance). The interval is by profile likelihood in the averaged threshold, which
-    the exact one follows to 1e-4 whatever λ.
+    normal prior, c a half-normal one; friction is what stopped swings tell of it. Periods are those of a swing that
+    narrows while it is timed. Errors of the speed count by their effect on the period (effective variance).
 
-    Where χ² is improbably large, friction or play that the curve does not know is at work, and the stated errors alone
-    would give an interval too narrow. Then all periods get a further relative error, just large enough for χ² to be
-    what it should (see `excess_scatter`), and the interval Student's quantile, as that error is known from few runs.
-    Runs that no such error reconciles contradict one another: their interval is unbounded.
+    Where χ² is improbably large, something is at work that the curve does not know, and the stated errors alone would
+    give an interval too narrow. Then all periods get a further relative error, just large enough for χ² to be what it
+    should (see `excess_scatter`), and the interval Student's quantile, as that error is known from few runs. Runs that
+    no such error reconciles contradict one another: their interval is unbounded.
 
     Raises
     ------
@@ -67,66 +74,148 @@ def direct_fit(evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD) ->
         No run was timed.
 
     """
-    if not evidence.timed.period.size:
-        raise NothingTimedError('no swing was timed in any run: time one')
-    likelihood = Likelihood(evidence, ruler, gravity)
-    found = _fitted(likelihood)
-    stated = 2.0 * float(found.cost)
-    freedom = max(evidence.timed.period.size - 1, 1)
-    dark: float | None = 0.0
-    rise = RISE_95
-    if improbable(stated, freedom):
 
-        def with_dark_error(error: float) -> float:
-            likelihood.discrepancy = error
-            return 2.0 * float(_fitted(likelihood).cost)
+    def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float, assumptions: Assumptions) -> None:
+        if not evidence.timed.period.size:
+            raise NothingTimedError('no swing was timed in any run: time one')
+        self._ruler = ruler
+        self._assumptions = assumptions
+        self._amplitude_sigma = ruler.amplitude * math.hypot(
+            ruler.sigma / ruler.amplitude, assumptions.stopwatch_rate_u, assumptions.dial_u
+        )
+        self._likelihood = Likelihood(evidence, gravity)
+        self._freedom = max(evidence.timed.period.size - 1, 1)
+        self._coulomb = 0.0
+        if evidence.stops:
+            guess = self._likelihood.first_guess(ruler.amplitude)
+            self._coulomb = posterior(self._likelihood, ruler, assumptions, guess).coulomb
+        found = self._fitted()
+        self.chi_squared = 2.0 * float(found.cost)
+        """At the best fit with the errors stated."""
+        self.discrepancy: float | None = 0.0
+        """Relative error of the periods beyond the stated ones; None where none makes the runs agree."""
+        if improbable(self.chi_squared, self._freedom):
 
-        dark, rise = excess_scatter(with_dark_error, freedom), rise_95(freedom)
-        likelihood.discrepancy = dark or 0.0
-        found = _fitted(likelihood)
-    best = found.x
-    plant = likelihood.plant(*best)
-    exact = math.hypot(omega_crit_exact(likelihood.plant(best[0], best[1], 0.0)), best[2])  # damping: next order
-    lower, upper = (None, None) if dark is None else _interval(likelihood, found, rise)
-    return CriticalSpeed(
-        omega_crit=exact,
-        interval=(lower and float(lower * exact / best[0]), upper and float(upper * exact / best[0])),
-        amplitude=plant.amplitude,
-        k=plant.k,
-        chi_squared=stated,
-        discrepancy=dark,
-    )
+            def with_discrepancy(error: float) -> float:
+                self._likelihood.discrepancy = error
+                return 2.0 * float(self._fitted().cost)
+
+            self.discrepancy = excess_scatter(with_discrepancy, self._freedom)
+            self._likelihood.discrepancy = self.discrepancy or 0.0
+            found = self._fitted()
+        self._best = found.x
+        self._sigma = _sigma(found)
+
+    def posterior(self) -> Posterior:
+        """Weigh what else is possible."""
+        return posterior(self._likelihood, self._ruler, self._assumptions, float(self._best[0]))
+
+    def answer(self, possible: Posterior) -> CriticalSpeed:
+        """Return the best fit with the interval of a posterior."""
+        threshold, amplitude, damping = self._best.tolist()
+        plant = self._likelihood.plant(threshold, amplitude, 0.0)
+        dial = (amplitude - self._ruler.amplitude) / self._amplitude_sigma**2 * self._ruler.amplitude
+        exact = math.hypot(omega_crit_exact(plant), damping) * (1.0 + dial * self._assumptions.dial_u**2)
+        return CriticalSpeed(
+            omega_crit=exact,
+            interval=(None, None) if self.discrepancy is None else self._interval(possible, exact),
+            amplitude=amplitude,
+            k=plant.k,
+            chi_squared=self.chi_squared,
+            play_probability=possible.play_probability,
+            heavy_damping_probability=possible.heavy_damping_probability,
+            discrepancy=self.discrepancy,
+        )
+
+    def _interval(self, possible: Posterior, exact: float) -> tuple[float, float]:
+        """Return the middle 95 % of what is possible, which at least holds the middle 90 % of the best rod's own.
+
+        Exact readings leave nothing open but causes that are all of one sign, and the rod without any is at their end.
+        """
+        low, middle, high = (possible.quantile(share) for share in (0.025, 0.5, 0.975))
+        below, above = (exact * self._own_end(direction) / float(self._best[0]) for direction in (-1, 1))
+        wider = math.sqrt(rise_95(self._freedom) / RISE_95) if self.discrepancy else 1.0
+        return min(middle - wider * (middle - low), below), max(middle + wider * (high - middle), above)
+
+    def _own_end(self, direction: int) -> float:
+        """Return an end of the best rod's middle 90 %, short of what falls and stands exclude, rad/s."""
+        threshold, amplitude, damping = self._best
+        others = np.array([amplitude]), np.array([damping])
+        known = float(self._likelihood.bounds(np.array([threshold]), *others).sum())
+        away = direction * _MIDDLE_90 * self._sigma
+        for _ in range(_HALVINGS):
+            if known - self._likelihood.bounds(np.array([threshold + away]), *others).sum() <= 0.5 * _MIDDLE_90**2:
+                return float(threshold + away)
+            away *= 0.5
+        return float(threshold)
+
+    def _fitted(self) -> OptimizeResult:
+        best = np.array([self._likelihood.first_guess(self._ruler.amplitude), self._ruler.amplitude, 0.0])
+        for _ in range(_MOST_PASSES):
+            self._likelihood.correct(*best[:2])
+            found = self._minimise(best)
+            moved, best = abs(found.x[0] - best[0]), found.x
+            if moved < _SETTLED * _sigma(found):
+                break
+        return found
+
+    def _residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
+        """Return them for timings, falls and stands, the ruler and the damping.
+
+        Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
+        """
+        evidence = self._likelihood.evidence
+        try:
+            self._likelihood.plant(threshold, amplitude, 0.0)
+        except PhysicsError:
+            return np.full(evidence.timed.period.size + len(evidence.fell) + len(evidence.stood) + 2, _NO_ROD)
+        known = ((amplitude - self._ruler.amplitude) / self._amplitude_sigma, damping / self._assumptions.light_damping)
+        return np.concatenate((self._likelihood.residuals(threshold, amplitude, damping, self._coulomb), known))
+
+    def _minimise(self, start: NDArray[np.float64]) -> OptimizeResult:
+        """Minimise the sum of squares; the last parameter, the damping, may be 0 and not less.
+
+        Levenberg and Marquardt's method, once within and once at the end of the damping's range, is good to the last
+        digits where readings are so exact that amplitude and damping are all but degenerate: bounded methods stop
+        short.
+        """
+        at_end = self._levenberg_marquardt(
+            lambda threshold, amplitude: self._residuals(threshold, amplitude, 0.0), start[:-1]
+        )
+        at_end.x = np.append(at_end.x, 0.0)
+        at_end.jac = np.column_stack((at_end.jac, np.zeros(at_end.fun.size)))
+        half = 0.5 * self._assumptions.light_damping
+        within = self._levenberg_marquardt(self._residuals, np.append(start[:-1], start[-1] or half))
+        return within if within.x[-1] >= 0.0 and within.cost < at_end.cost else at_end
+
+    def _levenberg_marquardt(
+        self, residuals: Callable[..., NDArray[np.float64]], start: NDArray[np.float64]
+    ) -> OptimizeResult:
+        scale = np.where(start > 0.0, 1e-3 * start, self._assumptions.light_damping)
+        return least_squares(
+            lambda parameters: residuals(*parameters),
+            start,
+            x_scale=scale,
+            method='lm',
+            xtol=1e-13,
+            ftol=1e-13,
+            gtol=1e-13,
+        )
 
 
-def _fitted(likelihood: Likelihood) -> OptimizeResult:
-    best = np.array([likelihood.first_guess(), likelihood.ruler.amplitude, 0.0])
-    for _ in range(_MOST_PASSES):
-        likelihood.correct_for_width(*best[:2])
-        found = _minimise(likelihood.residuals, best)
-        moved, best = abs(found.x[0] - best[0]), found.x
-        if moved < _SETTLED * _sigma(found):
-            break
-    return found
+def direct_fit(
+    evidence: Evidence, ruler: Ruler, gravity: float = G_STANDARD, assumptions: Assumptions = DEFAULT_ASSUMPTIONS
+) -> CriticalSpeed:
+    """Fit the exact Floquet curve Ω(ω; k, λ, c) to periods, falls and what a ruler says of λ (see `CurveFit`).
 
+    Raises
+    ------
+    NothingTimedError
+        No run was timed.
 
-def _minimise(residuals: Callable[..., NDArray[np.float64]], start: NDArray[np.float64]) -> OptimizeResult:
-    """Minimise the sum of squares; the last parameter, the damping, may be 0 and not less.
-
-    Levenberg and Marquardt's method, once within and once at the end of the damping's range, is good to the last
-    digits where readings are so exact that amplitude and damping are all but degenerate: bounded methods stop short.
     """
-    at_end = _levenberg_marquardt(lambda *others: residuals(*others, 0.0), start[:-1])
-    at_end.x = np.append(at_end.x, 0.0)
-    at_end.jac = np.column_stack((at_end.jac, np.zeros(at_end.fun.size)))
-    within = _levenberg_marquardt(residuals, np.append(start[:-1], start[-1] or 0.5 * DAMPING_SIGMA))
-    return within if within.x[-1] >= 0.0 and within.cost < at_end.cost else at_end
-
-
-def _levenberg_marquardt(residuals: Callable[..., NDArray[np.float64]], start: NDArray[np.float64]) -> OptimizeResult:
-    scale = np.where(start > 0.0, 1e-3 * start, DAMPING_SIGMA)
-    return least_squares(
-        lambda parameters: residuals(*parameters), start, x_scale=scale, method='lm', xtol=1e-13, ftol=1e-13, gtol=1e-13
-    )
+    fit = CurveFit(evidence, ruler, gravity, assumptions)
+    return fit.answer(fit.posterior())
 
 
 def _sigma(found: OptimizeResult) -> float:
@@ -134,25 +223,3 @@ def _sigma(found: OptimizeResult) -> float:
     scale = np.abs(found.jac).max(axis=0) + np.finfo(np.float64).tiny
     jacobian = found.jac / scale
     return float(np.sqrt(np.linalg.pinv(jacobian.T @ jacobian)[0, 0]) / scale[0])
-
-
-def _interval(likelihood: Likelihood, found: OptimizeResult, rise: float) -> tuple[float | None, float | None]:
-    """Return where the profile of the threshold has risen by `rise`, on either side."""
-    best, others = float(found.x[0]), found.x[1:]
-    step = _sigma(found)
-
-    def excess(threshold: float) -> float:
-        profiled = _minimise(lambda *rest: likelihood.residuals(threshold, *rest), others)
-        return 2.0 * float(profiled.cost - found.cost) - rise
-
-    def end(direction: int) -> float | None:
-        inner, outer = best, best + 2.0 * direction * step
-        for _ in range(_REACH):
-            if outer <= 0.0:
-                return None
-            if excess(outer) > 0.0:
-                return float(brentq(excess, inner, outer, xtol=1e-3 * step))
-            inner, outer = outer, outer + 2.0 * (outer - best)
-        return None
-
-    return end(-1), end(1)

@@ -30,6 +30,18 @@ class Bound:
     """θ at which the pendulum was let go, rad."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Stop:
+    """A swing that friction stopped before it was timed: it tells how much friction there is."""
+
+    speed: float
+    """ω, rad/s."""
+    release: float
+    """|θ| at which the pendulum was let go, rad."""
+    swings: int
+    """Full swings seen before the end."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Evidence:
     """What the timings of one plant say, SI units."""
@@ -44,6 +56,8 @@ class Evidence:
     """Releases after which the pendulum fell over."""
     stood: tuple[Bound, ...] = ()
     """Releases after which it stayed up, though its swings were not timed to the end."""
+    stops: tuple[Stop, ...] = ()
+    """The swings that stopped, all of which the release is known."""
 
 
 def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
@@ -78,6 +92,11 @@ def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
         swings=columns[5],
         fell=tuple(bounds['fell'].values()),
         stood=tuple(bounds['stopped'].values()),
+        stops=tuple(
+            Stop(speed=row.speed, release=abs(row.release), swings=row.swings)
+            for row in rows
+            if row.kind == 'stopped' and row.unused is None and row.speed and row.release and row.swings is not None
+        ),
     )
 
 

@@ -1,4 +1,4 @@
-"""How well a plant explains the evidence: the residuals whose squares add up to −2 ln of the likelihood."""
+"""How well rods explain the evidence: the logarithm of their likelihood, and the residuals that it is made of."""
 
 from __future__ import annotations
 
@@ -6,112 +6,137 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import exprel, log_ndtr
+from scipy.special import log_ndtr
 
+from kapitsa_ros.analysis.critical_speed.swing_model import FIRST_PRESS, SwingModel
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, period_steepness, plant_of_threshold
-from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, plant_of_threshold
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.critical_speed.evidence import Evidence
     from kapitsa_ros.physics.plant import Plant
 
-DAMPING_SIGMA = 0.5
-"""1/s; of c: a swing that can be timed has lost no more than half its width in some seconds."""
+    Array = NDArray[np.float64]
 
 FLOOR = 1e-5
 """Relative error below which no reading is trusted."""
-_NO_ROD = 1e8  # standard errors
-_NO_SWING = 1e-3  # rad/s, stands for no slow frequency at all
+_ESCAPE_DOUBT = 0.1  # of how much farther from the threshold a wide release falls
+_STOP_DOUBT = 0.1  # of the number of swings that friction leaves, relative
+_WIDEST = 1.5  # rad
 
 
 class Likelihood:
-    """Residuals as a function of the averaged threshold √(2g/k)/λ, the amplitude λ and the damping c.
+    """The likelihood of M rods at once, given as arrays of shape (M,): see `SwingModel` for what a rod is."""
 
-    Damping hardly changes the frequency; it narrows the swing while it is timed, and a narrow swing is a faster one.
-    """
-
-    def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float) -> None:
-        self._evidence = evidence
-        self.ruler = ruler
-        """What is known of λ."""
+    def __init__(self, evidence: Evidence, gravity: float) -> None:
+        self.evidence = evidence
+        self.gravity = gravity
+        self.model = SwingModel(evidence, gravity)
         self.discrepancy = 0.0
         """Relative error of the model's periods, to be added to the stated errors."""
-        self._gravity = gravity
-        self._slowing = np.zeros_like(evidence.timed.period)
+        self._threshold_correction = 1.0
+
+    def first_guess(self, amplitude: float) -> float:
+        """Solve Ω² = k²λ²ω²/2 − kg for k, row by row, with a given λ; return the middle threshold, rad/s."""
+        timed = self.evidence.timed
+        k = k_of_slow_frequency(timed.forcing, timed.slow, amplitude, self.gravity)
+        return float(np.median(np.sqrt(2.0 * self.gravity / k) / amplitude))
+
+    def correct(self, threshold: float, amplitude: float) -> None:
+        """Make good, for rods like this, what series and potential leave out: by Floquet's theory and the swing map."""
+        plant = plant_of_threshold(threshold, amplitude, self.gravity)
+        one = (np.array([threshold]), np.array([amplitude]), np.zeros(1))
+        timed = self.evidence.timed
+        self.model.correction = np.ones_like(timed.period)
+        small = self.model.small(*one, timed.forcing)[0]
+        undamped = SwingModel(self.evidence, self.gravity).periods(*one, np.zeros(1))[0][0]
+        correction = np.ones_like(small)
+        for index, (speed, release) in enumerate(
+            zip(timed.forcing.tolist(), self.evidence.release.tolist(), strict=True)
+        ):
+            try:
+                exact = slow_frequency_exact(plant, speed)
+                wide = slow_frequency_nonlinear(plant, speed, release) if release else exact
+            except PhysicsError:
+                continue  # this rod falls: the swing is left as it is
+            if exact and wide:
+                of_width = (exact / wide) / (undamped[index] * small[index] / (2.0 * math.pi))
+                correction[index] = small[index] / exact * of_width
+        self.model.correction = correction
+        self._threshold_correction = omega_crit_exact(plant) / float(self._series_threshold(*one)[0])
 
     def plant(self, threshold: float, amplitude: float, damping: float) -> Plant:
         """Return the plant of these parameters."""
-        return plant_of_threshold(threshold, amplitude, self._gravity, damping)
+        return plant_of_threshold(threshold, amplitude, self.gravity, damping)
 
-    def first_guess(self) -> float:
-        """Solve Ω² = k²λ²ω²/2 − kg for k, run by run, with the ruler's λ; return the middle threshold."""
-        timed, amplitude = self._evidence.timed, self.ruler.amplitude
-        k = k_of_slow_frequency(timed.forcing, timed.slow, amplitude, self._gravity)
-        return float(np.median(np.sqrt(2.0 * self._gravity / k) / amplitude))
+    def exact_threshold(self, threshold: Array, amplitude: Array, damping: Array) -> Array:
+        """Return the critical speed itself, rad/s, for the averaged one."""
+        return self._threshold_correction * self._series_threshold(threshold, amplitude, damping)
 
-    def correct_for_width(self, threshold: float, amplitude: float) -> None:
-        """Find by how much the swing as released is slower than a small one."""
-        plant = self.plant(threshold, amplitude, 0.0)
-        runs = zip(self._evidence.timed.forcing.tolist(), self._evidence.release.tolist(), strict=True)
-        for index, (speed, release) in enumerate(runs):
-            try:
-                wide = slow_frequency_nonlinear(plant, speed, release)
-            except PhysicsError:
-                continue  # this plant falls, or nobody let go: the swing is left as it is
-            self._slowing[index] = 1.0 - wide / _frequency(plant, speed)
+    def _series_threshold(self, threshold: Array, amplitude: Array, damping: Array) -> Array:
+        """Add the next term of a₀(q) (DLMF 28.6.1) and c²."""
+        q = 2.0 * self.model.k(threshold, amplitude) * amplitude
+        return np.hypot(threshold * (1.0 + 7.0 / 128.0 * q**2), damping)
 
-    def residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
-        """Return them for the timed runs, the falls and stands, the ruler and the damping.
+    def sigma(self, threshold: Array, amplitude: Array, doubt: Array) -> Array:
+        """Return the standard error of each period, s, shape (M, N); an error of the speed counts by its effect."""
+        timed = self.evidence.timed
+        reach = (self.model.k(threshold, amplitude) * amplitude)[:, None]
+        steepness = reach**2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
+        relative = (
+            (timed.period_sigma / timed.period) ** 2
+            + (steepness * timed.forcing_sigma) ** 2
+            + doubt**2
+            + FLOOR**2
+            + self.discrepancy**2
+        )
+        return np.asarray(timed.period * np.sqrt(relative))
 
-        Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
+    def bounds(self, threshold: Array, amplitude: Array, damping: Array) -> Array:
+        """Return ln L of each fall and of each that stood, shape (M, falls + stands).
+
+        A wide release falls from above the threshold too, out of the effective well, whose barrier lies where
+        cos θ₁ = (ω_crit/ω)².
         """
-        timed = self._evidence.timed
-        try:
-            plant = self.plant(threshold, amplitude, damping)
-        except PhysicsError:
-            return np.full(timed.period.size + len(self._evidence.fell) + len(self._evidence.stood) + 2, _NO_ROD)
-        small = np.array([_frequency(plant, float(speed)) for speed in timed.forcing])
-        slow = small * (1.0 - self._slowing * self._wane(damping))
-        steepness = period_steepness(plant, timed.forcing, timed.slow)
-        floor = FLOOR**2 + self.discrepancy**2
-        sigma = timed.period * np.sqrt(
-            (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + floor
+        exact = self.exact_threshold(threshold, amplitude, damping)
+        still = np.maximum(1.0 - self.model.k(threshold, amplitude) * amplitude, 0.1)  # report, eq. 12
+        columns = []
+        for fall in self.evidence.fell:
+            highest = exact / np.sqrt(np.cos(np.minimum(fall.release / still, _WIDEST)))
+            sigma = np.hypot(max(fall.sigma, FLOOR * fall.speed), _ESCAPE_DOUBT * (highest - exact))
+            columns.append(log_ndtr((highest - fall.speed) / sigma))
+        columns.extend(
+            log_ndtr((stand.speed - exact) / max(stand.sigma, FLOOR * stand.speed)) for stand in self.evidence.stood
         )
-        exact = threshold * (1.0 + 7.0 / 128.0 * (2.0 * plant.k * amplitude) ** 2)  # the next term of a₀(q), DLMF 28.6
-        return np.concatenate(
-            (
-                (timed.period - 2.0 * math.pi / slow) / sigma,
-                self._bounds(exact),
-                ((amplitude - self.ruler.amplitude) / self.ruler.sigma, damping / DAMPING_SIGMA),
-            )
-        )
+        return np.stack(columns, axis=-1) if columns else np.zeros((exact.size, 0))
 
-    def _wane(self, damping: float) -> NDArray[np.float64]:
-        """Return the mean of A²/A₀² between the first press, ¾ of a period after the release, and the last."""
-        first = damping * 0.75 * self._evidence.timed.period
-        timed = damping * self._evidence.swings * self._evidence.timed.period
-        return np.asarray(np.exp(-first) * exprel(-timed))
+    def stops(self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array) -> Array:
+        """Return ln L of where swings stopped, and of that those that were timed did not, shape (M,).
 
-    def _bounds(self, threshold: float) -> list[float]:
-        """Weigh falls and stands; a wide release falls a little above the threshold, out of the effective well."""
-        fell = [
-            _one_sided_residual(threshold / math.sqrt(math.cos(bound.release)) - bound.speed, bound)
-            for bound in self._evidence.fell
-        ]
-        return fell + [_one_sided_residual(bound.speed - threshold, bound) for bound in self._evidence.stood]
+        A swing that lasts n periods passes upright ⌊2n + ½⌋ times.
+        """
+        timed, stopped = self.model.swings_before_stop(threshold, amplitude, damping, coulomb)
+        needed = self.evidence.swings + FIRST_PRESS
+        released = self.evidence.release > 0.0
+        known = _log_probability(np.where(released, timed, np.inf), needed).sum(axis=-1)
+        seen = self.model.seen
+        most = _log_probability(seen + 1.0 + FIRST_PRESS, np.maximum(stopped, 1e-9))
+        least = np.where(seen > 0.0, _log_probability(np.maximum(stopped, 1e-9), seen + FIRST_PRESS), 0.0)
+        return np.asarray(known + (most + least).sum(axis=-1))
 
-
-def _one_sided_residual(margin: float, bound: Bound) -> float:
-    return math.sqrt(-2.0 * float(log_ndtr(margin / max(bound.sigma, FLOOR * bound.speed))))
+    def residuals(self, threshold: float, amplitude: float, damping: float, coulomb: float) -> Array:
+        """Return those of the periods and of the falls and stands, whose squares add up to −2 ln L, for one rod."""
+        one = (np.array([threshold]), np.array([amplitude]), np.array([abs(damping)]))
+        period, doubt = self.model.periods(*one, np.array([coulomb]))
+        sigma = self.sigma(one[0], one[1], doubt)
+        timed = (self.evidence.timed.period - period[0]) / sigma[0]
+        return np.concatenate((timed, np.sqrt(-2.0 * self.bounds(*one)[0])))
 
 
-def _frequency(plant: Plant, speed: float) -> float:
-    try:
-        return slow_frequency_exact(plant, speed) or _NO_SWING
-    except PhysicsError:  # so far below the threshold that no swing can be meant
-        return _NO_SWING
+def _log_probability(lasts: Array, needed: Array) -> Array:
+    """Return ln of the probability that a swing lasts as long as it did."""
+    return np.asarray(log_ndtr(np.log(lasts / needed) / _STOP_DOUBT))

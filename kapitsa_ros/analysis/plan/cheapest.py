@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.likelihood import DAMPING_SIGMA, FLOOR
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
@@ -118,7 +119,7 @@ def expected_percent(
     """Return half the width of the 95 % interval to expect, per cent of the critical speed."""
     press = math.sqrt(_press_variance(instruments.stopwatch) / repeats) / swings
     dial = dial_sigma(instruments.strobe)
-    information = np.diag([0.0, (plant.amplitude / RULER_SIGMA) ** 2, DAMPING_SIGMA**-2])
+    information = np.diag([0.0, (plant.amplitude / RULER_SIGMA) ** 2, DEFAULT_ASSUMPTIONS.light_damping**-2])
     for run in runs:
         gradient = run.gradient(swings)
         sigma = math.hypot(press / run.period, run.of_speed * dial, FLOOR)
