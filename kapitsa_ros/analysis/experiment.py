@@ -41,6 +41,10 @@ class Experiment:
     """Each timing and fall, as read and as taken; none where the motion was analysed instead."""
     discrepancy: float | None
     """Relative error of the periods beyond the stated ones that makes the runs agree (see `direct_fit`)."""
+    play_probability: float | None
+    """That the pivot has play, by these readings."""
+    heavy_damping_probability: float | None
+    """That damping is not light, by these readings."""
     inverse_ols: float | None
     ols: float | None
     predicted: float
@@ -125,6 +129,8 @@ def _reduce(plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[Ti
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,
         discrepancy=None if best is None else best.discrepancy,
+        play_probability=None if best is None else best.play_probability,
+        heavy_damping_probability=None if best is None else best.heavy_damping_probability,
         ruler=ruler,
         timings=tuple(timings),
         inverse_ols=_fit(fit_inverse_ols, evidence.timed),

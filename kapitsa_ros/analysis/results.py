@@ -29,6 +29,8 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'omega_crit_rpm': in_rpm(experiment.omega_crit),
         'omega_crit_interval_rpm': None if interval is None else [in_rpm(end) for end in interval],
         'discrepancy_percent': None if experiment.discrepancy is None else 100.0 * experiment.discrepancy,
+        'play_probability': experiment.play_probability,
+        'heavy_damping_probability': experiment.heavy_damping_probability,
         'inverse_rpm': in_rpm(experiment.inverse_ols),
         'ols_rpm': in_rpm(experiment.ols),
         'predicted_rpm': in_rpm(experiment.predicted),

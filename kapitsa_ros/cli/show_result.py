@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> None:
     """Print the runs of a plant and their reduction: one JSON object, or Tables 1 to 3 of the report."""
-    from kapitsa_ros.reporting.report_tables import repairs, report_tables  # noqa: PLC0415  # loads the analysis
+    from kapitsa_ros.reporting.report_tables import allowances, repairs, report_tables  # noqa: PLC0415  # loads the analysis
 
     if as_json:
         print_json(values)
@@ -24,5 +24,5 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
     console = Console()
     for table in report_tables(values, plant):
         console.print(table)
-    for sentence in repairs(values):
+    for sentence in [*repairs(values), *allowances(values)]:
         console.print(sentence)

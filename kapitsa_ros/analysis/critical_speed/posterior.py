@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 _RODS = 512
 _DIMENSIONS = 5  # the ruler's error, play, damping, friction, the dial's error: standard normal each
 _TAILS = 4.0  # degrees of freedom of the proposal
-_ENOUGH, _WORTH = 150.0, 60.0  # rods that count: in the end, and for the next proposal
-_MOST_ROUNDS = 14
+_ENOUGH, _WORTH = 100.0, 60.0  # rods that count: in the end, and for the next proposal
+_MOST_ROUNDS = 12
 _STEPS = 4  # of Gauss and Newton, to the best threshold of each rod
 _AROUND = 16  # thresholds that are tried for each rod
 _WIDER = 1.2  # so that skewed likelihoods are reached too

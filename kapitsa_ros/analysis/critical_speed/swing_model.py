@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 FIRST_PRESS = 0.75
 """Periods from the release to the first press: the second passage through upright."""
 
-_ITERATIONS = 6  # of ν², each of which makes it some 100 times better
+_ITERATIONS = 5  # of ν², each of which makes it some 100 times better
 _NO_SWING = 1e-10  # ν² that stands for no slow frequency at all
 _WIDEST = 1.4  # rad
 _BARRIER = 1e-3  # share of the small swing's stiffness that is left to a swing at the barrier
@@ -55,11 +55,12 @@ class SwingModel:
         """Return Ω of small swings, rad/s, shape (M, N)."""
         k = self.k(threshold, amplitude)
         q2 = ((2.0 * k * amplitude) ** 2)[:, None]
+        q4 = q2 * q2 / 32.0
         goal = -4.0 * (k * self._gravity)[:, None] / speed**2 - (damping[:, None] / speed) ** 2
         nu2 = np.clip(goal + 0.5 * q2, 0.0, 0.5)
         for _ in range(_ITERATIONS):
             near, far = nu2 - 1.0, nu2 - 4.0
-            nu2 = goal - q2 / (2.0 * near) - (5.0 * nu2 + 7.0) * q2**2 / (32.0 * near**3 * far)
+            nu2 = goal - q2 / (2.0 * near) - (5.0 * nu2 + 7.0) * q4 / (near * near * near * far)
             nu2 = np.clip(nu2, -0.5, 0.5)
         return np.asarray(0.5 * speed * np.sqrt(np.maximum(nu2, _NO_SWING)))
 
