@@ -107,8 +107,8 @@ def allowances(values: Mapping[str, Any]) -> list[str]:
     return [
         (
             f'the interval allows for play up to {1e3 * assumed.play_limit:g} mm and damping up to '
-            f'{assumed.heavy_damping_limit:g} 1/s: by these readings, play is {_in_percent(values["play_probability"])} '
-            f'probable and more than light damping {_in_percent(values["heavy_damping_probability"])}'
+            f'{assumed.heavy_damping_limit:g} 1/s: by these readings, play is '
+            f'{_in_percent(values["play_probability"])} probable and more than light damping {_in_percent(values["heavy_damping_probability"])}'
         )
     ]
 
