@@ -103,14 +103,11 @@ def allowances(values: Mapping[str, Any]) -> list[str]:
     """Return what the interval allows for besides the errors of the readings, a sentence each."""
     if values['play_probability'] is None:
         return []
+    play, heavy = _in_percent(values['play_probability']), _in_percent(values['heavy_damping_probability'])
     assumed = DEFAULT_ASSUMPTIONS
-    return [
-        (
-            f'the interval allows for play up to {1e3 * assumed.play_limit:g} mm and damping up to '
-            f'{assumed.heavy_damping_limit:g} 1/s: by these readings, play is '
-            f'{_in_percent(values["play_probability"])} probable and more than light damping {_in_percent(values["heavy_damping_probability"])}'
-        )
-    ]
+    allowed = f'play up to {1e3 * assumed.play_limit:g} mm and damping up to {assumed.heavy_damping_limit:g} 1/s'
+    seen = f'play is {play} probable, and more than light damping {heavy}'
+    return [f'the interval allows for {allowed}; by these readings, {seen}']
 
 
 def _in_percent(probability: float) -> str:
