@@ -41,9 +41,6 @@ class Assumptions(ParameterSet):
         0.0, '', 0.0, 0.3, description="standard uncertainty of the stopwatch's rate (normal)"
     )
     dial_u: float = quantity(0.0, '', 0.0, 0.3, description="standard uncertainty of the dial's calibration (normal)")
-    miscount_probability: float = quantity(
-        0.02, '', 0.0, 0.5, description='that the swings of a timing are counted one wrong'
-    )
 
 
 DEFAULT_ASSUMPTIONS = Assumptions()
