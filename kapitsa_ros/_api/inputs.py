@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -19,11 +20,14 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.quantities import to_si_array
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
 AnyPlant: TypeAlias = 'Plant | str | Path | None'
 AnyInstruments: TypeAlias = 'Instruments | str | Path'
 AnyProtocol: TypeAlias = 'Protocol | str | Path'
+AnyAssumptions: TypeAlias = 'Assumptions | Mapping[str, Any] | None'
 AnyReadings: TypeAlias = 'TimingTable | Readings | str | Path | tuple[Any, ...]'
 
 
@@ -42,6 +46,11 @@ def as_instruments(instruments: AnyInstruments) -> Instruments:
 def as_protocol(protocol: AnyProtocol) -> Protocol:
     """Return a protocol: itself, or one by name or path."""
     return protocol if isinstance(protocol, Protocol) else load_protocol(protocol)
+
+
+def as_assumptions(assumptions: AnyAssumptions) -> Assumptions:
+    """Return assumptions: themselves, or the usual ones with some replaced."""
+    return assumptions if isinstance(assumptions, Assumptions) else Assumptions.of(assumptions or {})
 
 
 def as_readings(readings: AnyReadings) -> Readings:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kapitsa_ros._api.inputs import as_plant, as_readings, as_timings
+from kapitsa_ros._api.inputs import as_assumptions, as_plant, as_readings, as_timings
 from kapitsa_ros._api.result import describe, figures, interval_text, speed_text
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.figure import Figure
 
-    from kapitsa_ros._api.inputs import AnyPlant, AnyReadings
+    from kapitsa_ros._api.inputs import AnyAssumptions, AnyPlant, AnyReadings
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.quantities import AnyQuantity
@@ -39,6 +40,12 @@ class Reduction:
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
     discrepancy: float | None
     """Relative error of the periods beyond the stated ones that the curve needs; None where none reconciles them."""
+    play_probability: float
+    """That the pivot has play, by these readings."""
+    heavy_damping_probability: float
+    """That damping is not light, by these readings."""
+    assumptions: Assumptions
+    """What was taken for granted."""
     predicted: float
     """By averaged theory (report, eq. 8)."""
     ols: float | None = None
@@ -109,7 +116,11 @@ class Reduction:
 
 
 def reduce(
-    readings: AnyReadings = '1997', plant: AnyPlant = None, *, amplitude_sigma: AnyQuantity = RULER_SIGMA
+    readings: AnyReadings = '1997',
+    plant: AnyPlant = None,
+    *,
+    amplitude_sigma: AnyQuantity = RULER_SIGMA,
+    assumptions: AnyAssumptions = None,
 ) -> Reduction:
     """Reduce a table of readings to the critical speed, by the exact curve and in the three ways a line can be drawn.
 
@@ -122,6 +133,8 @@ def reduce(
         Its amplitude is what the ruler said, for the exact curve.
     amplitude_sigma
         Standard error of the ruler's word, m.
+    assumptions
+        What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
 
     Returns
     -------
@@ -156,12 +169,16 @@ def reduce(
             'eiv_discrepancy': weighed.discrepancy,
             'slope_ratio': ratio_to_theory(forward, rod),
         }
-    best = direct_fit(evidence, ruler, rod.gravity)
+    assumed = as_assumptions(assumptions)
+    best = direct_fit(evidence, ruler, rod.gravity, assumed)
     return Reduction(
         readings=timed,
         omega_crit=best.omega_crit,
         omega_crit_interval=best.interval,
         discrepancy=best.discrepancy,
+        play_probability=best.play_probability,
+        heavy_damping_probability=best.heavy_damping_probability,
+        assumptions=assumed,
         predicted=omega_crit_averaged(rod),
         line=line,
         of_table=table.warnings,

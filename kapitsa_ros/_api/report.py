@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros._api.inputs import as_readings
+from kapitsa_ros._api.inputs import as_assumptions, as_readings
 from kapitsa_ros._api.result import describe, speed_text
 from kapitsa_ros.errors import MissingPackageError
 from kapitsa_ros.output_file import check_output, replacing
@@ -16,6 +16,7 @@ from kapitsa_ros.recording.reader import RunBag
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kapitsa_ros._api.inputs import AnyAssumptions
     from kapitsa_ros.reporting.report.content import Content
 
 
@@ -38,7 +39,13 @@ class Report:
         )
 
 
-def report(bags: str | Path | Sequence[str | Path], output: str | Path, *, experiments: int | None = None) -> Report:
+def report(
+    bags: str | Path | Sequence[str | Path],
+    output: str | Path,
+    *,
+    experiments: int | None = None,
+    assumptions: AnyAssumptions = None,
+) -> Report:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan.
 
     Parameters
@@ -49,6 +56,8 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path, *, exper
         The HTML file to write; its folder must be there.
     experiments
         Virtual ones on each preset, which say whether a bearing would have given the answer; 40 where not given.
+    assumptions
+        What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
 
     Returns
     -------
@@ -75,7 +84,9 @@ def report(bags: str | Path | Sequence[str | Path], output: str | Path, *, exper
         raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
     paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
     trials = {} if experiments is None else {'experiments': experiments}
-    content = gather([RunBag(path).recorded for path in paths], as_readings('1997'), **trials)
+    content = gather(
+        [RunBag(path).recorded for path in paths], as_readings('1997'), as_assumptions(assumptions), **trials
+    )
     html = render(content)
     with replacing(page) as draft:
         draft.write_text(html, encoding='utf-8')

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_from_motion, evidence_of, ruler_of
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kapitsa_ros.analysis.critical_speed import Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
     from kapitsa_ros.analysis.table import Readings
@@ -35,6 +37,8 @@ class Experiment:
     """The best estimate: the exact curve fitted to all that was read."""
     interval: tuple[float | None, float | None] | None
     """95 % interval of `omega_crit`; an end that is None is unbounded."""
+    assumptions: Assumptions
+    """What was taken for granted."""
     ruler: Ruler
     """What the ruler said of the stroke."""
     timings: tuple[TimingRow, ...]
@@ -63,7 +67,7 @@ class Experiment:
         return _percent_off(self.omega_crit, self.truth)
 
 
-def reduce_runs(runs: Sequence[Run]) -> Experiment:
+def reduce_runs(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> Experiment:
     """Reduce the readings of several runs of one plant as in 1997.
 
     Raises
@@ -74,10 +78,14 @@ def reduce_runs(runs: Sequence[Run]) -> Experiment:
     """
     plant = plant_of(runs)
     rows = timing_rows(runs)
-    return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows)
+    return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows, assumptions)
 
 
-def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_ESTIMATOR) -> tuple[Experiment, Readings]:
+def reduce_motions(
+    recorded: Sequence[RecordedRun],
+    estimator: str = DEFAULT_ESTIMATOR,
+    assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
+) -> tuple[Experiment, Readings]:
     """Reduce what was recorded of the motion instead of what was read; also return the periods found there.
 
     Parameters
@@ -86,6 +94,8 @@ def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_EST
         Runs of one plant.
     estimator
         Of the slow frequency: a name in `ESTIMATORS`.
+    assumptions
+        On rod and instruments.
 
     Raises
     ------
@@ -95,7 +105,7 @@ def reduce_motions(recorded: Sequence[RecordedRun], estimator: str = DEFAULT_EST
     """
     plant = plant_of([each.run for each in recorded])
     evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
-    return _reduce(plant, evidence, ruler_of(recorded[0].run), ()), evidence.timed
+    return _reduce(plant, evidence, ruler_of(recorded[0].run), (), assumptions), evidence.timed
 
 
 def plant_of(runs: Sequence[Run]) -> Plant:
@@ -120,9 +130,11 @@ def ideal_rod(plant: Plant) -> Plant:
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
 
 
-def _reduce(plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[TimingRow]) -> Experiment:
+def _reduce(
+    plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[TimingRow], assumptions: Assumptions
+) -> Experiment:
     try:
-        best = direct_fit(evidence, ruler, plant.gravity)
+        best = direct_fit(evidence, ruler, plant.gravity, assumptions)
     except NothingTimedError:
         best = None  # no run gave readings
     return Experiment(
@@ -131,6 +143,7 @@ def _reduce(plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[Ti
         discrepancy=None if best is None else best.discrepancy,
         play_probability=None if best is None else best.play_probability,
         heavy_damping_probability=None if best is None else best.heavy_damping_probability,
+        assumptions=assumptions,
         ruler=ruler,
         timings=tuple(timings),
         inverse_ols=_fit(fit_inverse_ols, evidence.timed),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.units import in_rpm
@@ -31,6 +32,7 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'discrepancy_percent': None if experiment.discrepancy is None else 100.0 * experiment.discrepancy,
         'play_probability': experiment.play_probability,
         'heavy_damping_probability': experiment.heavy_damping_probability,
+        'assumptions': asdict(experiment.assumptions),
         'inverse_rpm': in_rpm(experiment.inverse_ols),
         'ols_rpm': in_rpm(experiment.ols),
         'predicted_rpm': in_rpm(experiment.predicted),

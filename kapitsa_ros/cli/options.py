@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.configuration import instrument_sets, presets
 from kapitsa_ros.configuration.assignments import parse_assignments
 from kapitsa_ros.configuration.files import shipped_names
@@ -109,14 +110,19 @@ def _names(folder: str) -> str:
 
 
 class _Assignment(click.ParamType):  # type: ignore[type-arg]
+    """A value by its name, which a check refuses or lets pass."""
+
     name = 'NAME=VALUE'
+
+    def __init__(self, check: Callable[[Mapping[str, Any]], Any]) -> None:
+        self._check = check
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         if isinstance(value, tuple):
             return value
         try:
             ((name, assigned),) = parse_assignments([value]).items()
-            Instruments.of({name: assigned})
+            self._check({name: assigned})
         except KapitsaError as error:
             self.fail(str(error), param, ctx)
         return name, assigned
@@ -166,7 +172,7 @@ def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:
     with_instruments = click.option(
         '--instrument',
         'overrides',
-        type=_Assignment(),
+        type=_Assignment(Instruments.of),
         multiple=True,
         help='a parameter of an instrument, in SI or with a unit (overrides the set; several may be given)',
     )(with_instruments)
@@ -178,6 +184,22 @@ def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:
         show_default=True,
         help='how readings err',
     )(with_instruments)
+
+
+def assumption_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --assume; the command gets `assumptions`."""
+
+    @functools.wraps(command)
+    def with_assumptions(*args: Any, assumed: Sequence[tuple[str, str]], **kwargs: Any) -> Any:
+        return command(*args, assumptions=Assumptions.of(dict(assumed)), **kwargs)
+
+    return click.option(
+        '--assume',
+        'assumed',
+        type=_Assignment(Assumptions.of),
+        multiple=True,
+        help='what is taken for granted of rod and instruments, as in stopwatch_rate_u=0.02 (several may be given)',
+    )(with_assumptions)
 
 
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:

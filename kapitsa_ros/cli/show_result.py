@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from kapitsa_ros.cli.options import print_json
+from kapitsa_ros.reporting.allowances import allowances
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> None:
     """Print the runs of a plant and their reduction: one JSON object, or Tables 1 to 3 of the report."""
-    from kapitsa_ros.reporting.report_tables import allowances, repairs, report_tables  # noqa: PLC0415  # loads the analysis
+    from kapitsa_ros.reporting.report_tables import repairs, report_tables  # noqa: PLC0415  # loads the analysis
 
     if as_json:
         print_json(values)

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -15,10 +16,11 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.network.run import Run
 
 
-def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
+def analyse_bags(paths: Sequence[Path], assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> dict[str, Any]:
     """Analyse recorded runs from their readings.
 
     Raises
@@ -31,10 +33,13 @@ def analyse_bags(paths: Sequence[Path]) -> dict[str, Any]:
     """
     bags = [RunBag(path) for path in paths]
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
-    return {'runs': runs} | experiment_values(reduce_runs([bag.run for bag in bags])) | origin(bags[0].run)
+    found = reduce_runs([bag.run for bag in bags], assumptions)
+    return {'runs': runs} | experiment_values(found) | origin(bags[0].run)
 
 
-def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -> dict[str, Any]:
+def analyse_motions(
+    paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR, assumptions: Assumptions = DEFAULT_ASSUMPTIONS
+) -> dict[str, Any]:
     """Analyse recorded runs from the motion of the pendulum: what better instruments would have given.
 
     Parameters
@@ -43,6 +48,8 @@ def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -
         Folders of the runs.
     estimator
         Of the slow frequency: a name in `ESTIMATORS`.
+    assumptions
+        On rod and instruments.
 
     Raises
     ------
@@ -53,7 +60,7 @@ def analyse_motions(paths: Sequence[Path], estimator: str = DEFAULT_ESTIMATOR) -
 
     """
     bags = [RunBag(path) for path in paths]
-    experiment, found = reduce_motions([bag.recorded for bag in bags], estimator)
+    experiment, found = reduce_motions([bag.recorded for bag in bags], estimator, assumptions)
     periods = iter(found.period)
     runs = []
     for bag in bags:

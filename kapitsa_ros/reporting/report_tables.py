@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
@@ -97,21 +96,6 @@ def repairs(values: Mapping[str, Any]) -> list[str]:
                 f'({timing["speed_asked_rpm"]:.0f} RPM was asked for)'
             )
     return list(dict.fromkeys(said))
-
-
-def allowances(values: Mapping[str, Any]) -> list[str]:
-    """Return what the interval allows for besides the errors of the readings, a sentence each."""
-    if values['play_probability'] is None:
-        return []
-    play, heavy = _in_percent(values['play_probability']), _in_percent(values['heavy_damping_probability'])
-    assumed = DEFAULT_ASSUMPTIONS
-    allowed = f'play up to {1e3 * assumed.play_limit:g} mm and damping up to {assumed.heavy_damping_limit:g} 1/s'
-    seen = f'play is {play} probable, and more than light damping {heavy}'
-    return [f'the interval allows for {allowed}; by these readings, {seen}']
-
-
-def _in_percent(probability: float) -> str:
-    return f'{100.0 * probability:.0f} %'
 
 
 def _critical_speed(values: Mapping[str, Any]) -> Table:

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.critical_speed import evidence_of
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 from kapitsa_ros.analysis.critical_speed.swing_model import FIRST_PRESS, SwingModel
+from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
@@ -64,3 +65,23 @@ def test_swings_that_stopped_tell_how_much_friction_there_is():
 
 def test_the_same_readings_give_the_same_interval():
     assert perform(experiment(Plant(), THREE), 1).interval == perform(experiment(Plant(), THREE), 1).interval
+
+
+@pytest.mark.parametrize(
+    ('assumed', 'instrument'),
+    [
+        pytest.param({'stopwatch_rate_u': 0.05}, {'rate_error': 0.05}, id='a stopwatch that is 5 % fast'),
+        pytest.param({'dial_u': 0.05}, {'dial_error': 0.05}, id='a dial that shows 5 % too much'),
+    ],
+)
+def test_an_instrument_that_is_off_is_an_input_with_an_uncertainty(assumed, instrument):
+    instruments = load_instruments('1997').replaced(instrument)
+    protocol = Protocol(speeds=tuple(speed * RPM for speed in THREE))
+    told = Assumptions.of(assumed)
+    truth = omega_crit_with_play(Plant())
+    for seed in range(1, 9):
+        runs = SimulatedExperiment(plant=Plant(), instruments=instruments, protocol=protocol, seed=seed).runs()
+        found, trusting = reduce_runs(runs, told), reduce_runs(runs)
+        assert found.interval[0] < truth < found.interval[1]
+        assert np.ptp(found.interval) > 1.3 * np.ptp(trusting.interval)
+        assert found.assumptions == told

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.cli.options import json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, json_option, warn_of_repeats
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.tables import write_timings
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.output_file import check_output
 from kapitsa_ros.rig.errors import UsageError
+
+if TYPE_CHECKING:
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 
 
 @click.command()
@@ -25,8 +29,17 @@ from kapitsa_ros.rig.errors import UsageError
     help=f'of the slow frequency, with --motion  [default: {DEFAULT_ESTIMATOR}]',
 )
 @click.option('--table', type=click.Path(path_type=Path), help='CSV file for the timings, as `kapitsa reduce` takes it')
+@assumption_option
 @json_option
-def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, table: Path | None, as_json: bool) -> None:
+def analyse(
+    *,
+    bags: tuple[Path, ...],
+    blind: bool,
+    estimator: str | None,
+    table: Path | None,
+    assumptions: Assumptions,
+    as_json: bool,
+) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
@@ -38,7 +51,10 @@ def analyse(*, bags: tuple[Path, ...], blind: bool, estimator: str | None, table
     if table is not None:
         check_output(table, 'table')
     warn_of_repeats(bags)
-    values = analyse_bags(bags) if blind else analyse_motions(bags, estimator or DEFAULT_ESTIMATOR)
+    if blind:
+        values = analyse_bags(bags, assumptions)
+    else:
+        values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
     if table is not None:
         write_timings(table, timing_rows([RunBag(bag).run for bag in bags]))
     show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)

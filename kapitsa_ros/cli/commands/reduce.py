@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import click
 
 from kapitsa_ros._api.reduce import reduce as call
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
-from kapitsa_ros.cli.options import LENGTH, json_option, plant_options, print_json
+from kapitsa_ros.cli.options import LENGTH, assumption_option, json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
+from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.units import RPM, in_rpm, interval_text
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.physics.plant import Plant
 
@@ -27,15 +30,18 @@ if TYPE_CHECKING:
     show_default='0.125mm',
     help='standard error of the amplitude, for the exact curve',
 )
+@assumption_option
 @json_option
-def reduce(table: TimingTable, plant: Plant, *, amplitude_sigma: float, as_json: bool) -> None:
+def reduce(
+    table: TimingTable, plant: Plant, *, amplitude_sigma: float, assumptions: Assumptions, as_json: bool
+) -> None:
     """Reduce TABLE (by default that of 1997) to the critical speed, by the exact curve and by three lines.
 
     TABLE is CSV with the columns forcing_rpm, period_s and, where known, forcing_sigma_rpm and period_sigma_s (0 and
     0.05 s where not given), release_rad and swings, kind (timed, fell or stopped) and run, as `kapitsa analyse --table`
     writes it. The plant's options say what theory predicts, and what a ruler says of the amplitude.
     """
-    found = call(table, plant, amplitude_sigma=amplitude_sigma)
+    found = call(table, plant, amplitude_sigma=amplitude_sigma, assumptions=assumptions)
     for warning in found.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
     low, high = (in_rpm(end) for end in found.eiv_interval)
@@ -46,6 +52,9 @@ def reduce(table: TimingTable, plant: Plant, *, amplitude_sigma: float, as_json:
             {
                 'omega_crit_rpm': in_rpm(found.omega_crit),
                 'omega_crit_interval_rpm': list(curve),
+                'play_probability': found.play_probability,
+                'heavy_damping_probability': found.heavy_damping_probability,
+                'assumptions': asdict(found.assumptions),
                 'discrepancy_percent': None if found.discrepancy is None else 100.0 * found.discrepancy,
                 'ols_rpm': in_rpm(found.ols),
                 'inverse_rpm': in_rpm(found.inverse_ols),
@@ -68,6 +77,8 @@ def reduce(table: TimingTable, plant: Plant, *, amplitude_sigma: float, as_json:
         click.echo(f'slope over theory        {found.slope_ratio:.4f}')
     if found.error_percent is not None:
         click.echo(f'error of the inverse fit {found.error_percent:+.1f} %')
+    for sentence in allowances(asdict(found)):
+        click.echo(sentence)
 
 
 def _text(rpm: float | None) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import direct_fit, errors_in_variables, evidence_of, ruler_of
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
 from kapitsa_ros.analysis.explain import explain
@@ -26,7 +27,8 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed import CriticalSpeed, Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.explain import Ranking
     from kapitsa_ros.analysis.plan import Plan, Separation
     from kapitsa_ros.analysis.recorded_run import RecordedRun
@@ -80,6 +82,9 @@ class Content:
     runs: tuple[RecordedRun, ...]
     plant: Plant
     ruler: Ruler
+    assumptions: Assumptions
+    curve: CriticalSpeed | None
+    """The exact curve fitted to what was read; None where nothing was timed."""
     timings: tuple[TimingRow, ...]
     """What was read in these runs, with the repairs that the estimates rest on."""
     timed: Readings
@@ -94,7 +99,12 @@ class Content:
     separation: Separation
 
 
-def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EXPERIMENTS) -> Content:
+def gather(
+    runs: Sequence[RecordedRun],
+    of_1997: Readings,
+    assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
+    experiments: int = EXPERIMENTS,
+) -> Content:
     """Work out everything the report says, with `experiments` virtual ones for each preset.
 
     Raises
@@ -108,6 +118,7 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     nominal = ideal_rod(plant)
     rows = timing_rows(blind)
     evidence, ruler = evidence_of(rows), ruler_of(blind[0])
+    curve = direct_fit(evidence, ruler, nominal.gravity, assumptions) if evidence.timed.period.size else None
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
@@ -115,10 +126,12 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
         runs=tuple(runs),
         plant=plant,
         ruler=ruler,
+        assumptions=assumptions,
+        curve=curve,
         timings=tuple(rows),
         timed=evidence.timed,
         of_1997=of_1997,
-        estimates=_estimates(evidence, ruler, nominal.gravity, of_1997),
+        estimates=_estimates(evidence, curve, of_1997),
         predicted=omega_crit_averaged(nominal),
         truth=true_threshold(plant),
         verdicts=tuple(verdicts),
@@ -128,11 +141,10 @@ def gather(runs: Sequence[RecordedRun], of_1997: Readings, experiments: int = EX
     )
 
 
-def _estimates(evidence: Evidence, ruler: Ruler, gravity: float, theirs: Readings) -> tuple[Estimate, ...]:
+def _estimates(evidence: Evidence, curve: CriticalSpeed | None, theirs: Readings) -> tuple[Estimate, ...]:
     """Fit lines and curve to the same rows."""
     line, line_1997 = _or_none(errors_in_variables, evidence.timed), errors_in_variables(theirs)
     backward, forward = _or_none(fit_inverse_ols, evidence.timed), _or_none(fit_ols, evidence.timed)
-    curve = direct_fit(evidence, ruler, gravity) if evidence.timed.period.size else None
     return (
         Estimate(
             name='ω² on Ω², as in 1997',

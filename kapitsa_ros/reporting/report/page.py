@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import math
-from typing import TYPE_CHECKING
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from jinja2 import Environment, StrictUndefined
@@ -15,6 +16,7 @@ from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.analysis.results import timing_values
 from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
 from kapitsa_ros.reporting.report.drawings import intervals, recorded_spectrum, recorded_swing
@@ -40,6 +42,7 @@ def render(content: Content) -> str:
         content=content,
         timings=timings,
         repairs=repairs({'timings': timings}),
+        allowances=allowances(_interval_values(content)),
         report=Plant(),
         trials={trial.name: trial for trial in content.trials},
         as_built_on_bearing=AS_BUILT_ON_BEARING,
@@ -47,6 +50,15 @@ def render(content: Content) -> str:
         rpm_unit=RPM,
         target=TARGET_PERCENT,
     )
+
+
+def _interval_values(content: Content) -> dict[str, Any]:
+    curve = content.curve
+    return {
+        'play_probability': None if curve is None else curve.play_probability,
+        'heavy_damping_probability': None if curve is None else curve.heavy_damping_probability,
+        'assumptions': asdict(content.assumptions),
+    }
 
 
 def _figures(content: Content) -> list[Markup]:
