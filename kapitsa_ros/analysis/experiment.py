@@ -77,7 +77,7 @@ def reduce_runs(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTI
 
     """
     plant = plant_of(runs)
-    rows = timing_rows(runs)
+    rows = timing_rows(runs, assumptions.dial_u)
     return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows, assumptions)
 
 

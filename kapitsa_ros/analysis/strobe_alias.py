@@ -22,7 +22,9 @@ def dial_sigma(strobe: StrobeSettings) -> float:
     return math.hypot(strobe.drift_limit / math.sqrt(3.0), 0.5 * strobe.dial_resolution / math.sqrt(12.0))
 
 
-def find_alias(reading: float, speed_asked: float | None, strobe: StrobeSettings) -> Fraction:
+def find_alias(
+    reading: float, speed_asked: float | None, strobe: StrobeSettings, dial_u: float = 0.0
+) -> Fraction:
     """Return the ratio of a reading to the speed of the shaft, since the operator knows roughly the speed asked.
 
     The person stops at a flash rate of (p/q)·ω and halves; where that is not twice ω the reading is p/(2q) times the
@@ -34,10 +36,13 @@ def find_alias(reading: float, speed_asked: float | None, strobe: StrobeSettings
         rad/s.
     strobe
         Lamp and eye.
+    dial_u
+        Standard uncertainty of the dial's calibration, relative.
 
     """
-    if not speed_asked or abs(reading / speed_asked - 1.0) <= NEAR:
+    near = NEAR + 2.0 * dial_u
+    if not speed_asked or abs(reading / speed_asked - 1.0) <= near:
         return _NONE
     ratios = [ratio / 2 for ratio in standing_ratios(0.5, 10.0, faintest(strobe)) if ratio != Fraction(2)]
     ratio = min(ratios, key=lambda ratio: abs(math.log(reading / (float(ratio) * speed_asked))))
-    return ratio if abs(reading / float(ratio) / speed_asked - 1.0) <= NEAR else _NONE
+    return ratio if abs(reading / float(ratio) / speed_asked - 1.0) <= near else _NONE

@@ -56,8 +56,15 @@ class TimingRow:
     """Why nothing is concluded from it; None where it counts."""
 
 
-def timing_rows(runs: Sequence[Run]) -> list[TimingRow]:
+def timing_rows(runs: Sequence[Run], dial_u: float = 0.0) -> list[TimingRow]:
     """Table the timings of several runs; the motion is not looked at.
+
+    Parameters
+    ----------
+    runs
+        At least one.
+    dial_u
+        Standard uncertainty of the dial's calibration, relative: a reading may be that far from what was asked for.
 
     Raises
     ------
@@ -67,16 +74,16 @@ def timing_rows(runs: Sequence[Run]) -> list[TimingRow]:
     """
     if not runs:
         raise RunError('no runs: give one bag or more')
-    return [row for run in runs for row in _rows_of(run)]
+    return [row for run in runs for row in _rows_of(run, dial_u)]
 
 
-def _rows_of(run: Run) -> Iterator[TimingRow]:
+def _rows_of(run: Run, dial_u: float) -> Iterator[TimingRow]:
     strobe, watch = _settings(run, 'strobe', StrobeSettings), _settings(run, 'stopwatch', StopwatchSettings)
     for timing in run.timings:
         unused = _unused(timing)
         speed, alias = None, None
         if timing.speed_reading is not None and unused is None:
-            alias = find_alias(timing.speed_reading, timing.speed_asked, strobe)
+            alias = find_alias(timing.speed_reading, timing.speed_asked, strobe, dial_u)
             speed = timing.speed_reading / float(alias)
         timed = timing.kind == 'timed' and unused is None
         lap = stopwatch_period([timing.displayed], [timing.swings], watch) if timed else None

@@ -56,5 +56,5 @@ def analyse(
     else:
         values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
     if table is not None:
-        write_timings(table, timing_rows([RunBag(bag).run for bag in bags]))
+        write_timings(table, timing_rows([RunBag(bag).run for bag in bags], assumptions.dial_u))
     show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)

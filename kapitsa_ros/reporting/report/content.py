@@ -116,7 +116,7 @@ def gather(
     blind = [recorded.run for recorded in runs]
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
-    rows = timing_rows(blind)
+    rows = timing_rows(blind, assumptions.dial_u)
     evidence, ruler = evidence_of(rows), ruler_of(blind[0])
     curve = direct_fit(evidence, ruler, nominal.gravity, assumptions) if evidence.timed.period.size else None
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
