@@ -69,6 +69,7 @@ BENCHMARKS = [
     'mujoco',
 ]
 TEST = [  # under this name `colcon test` looks for pytest
+    'GTC>=1.5',  # the uncertainty budget's peer
     'hypothesis',
     'pytest<9',
     'pytest-xdist',

@@ -75,6 +75,13 @@ def interval_text(interval: tuple[float | None, float | None], end_text: Callabl
     return ' to '.join('unbounded' if end is None else end_text(end) for end in interval)
 
 
+def digits_of(u: float) -> int:
+    """Return how many decimals a standard uncertainty lets a value have: those of its first two digits (GUM 7.2.6)."""
+    if not (math.isfinite(u) and u > 0.0):
+        return 0
+    return max(0, 1 - math.floor(math.log10(u)))
+
+
 def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fraction(1)) -> float:
     """Return a quantity in an SI unit.
 

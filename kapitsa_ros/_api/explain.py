@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from kapitsa_ros._api.inputs import AnyPlant, AnyReadings
-    from kapitsa_ros.analysis.explain import Explanation
+    from kapitsa_ros.analysis.explain import Explanation, OtherErrors
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -25,6 +25,10 @@ class Explanations:
     explanations: tuple[Explanation, ...]
     indistinguishable: tuple[str, ...]
     """Those that the readings cannot tell apart."""
+    period_sigma: tuple[float, float]
+    """Smallest and largest error stated of a period, s."""
+    with_other_errors: tuple[OtherErrors, ...]
+    """The ranking with the errors of the periods halved, doubled and fitted."""
     warnings: tuple[str, ...]
 
     def __repr__(self) -> str:
@@ -80,5 +84,7 @@ def explain(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Explanati
     return Explanations(
         explanations=ranking.explanations,
         indistinguishable=ranking.indistinguishable,
+        period_sigma=ranking.period_sigma,
+        with_other_errors=ranking.with_other_errors,
         warnings=(*table.warnings, *passed_over, *ranking.warnings),
     )

@@ -9,7 +9,13 @@ import numpy as np
 
 from kapitsa_ros._api.inputs import as_assumptions, as_plant, as_readings, as_timings
 from kapitsa_ros._api.result import describe, figures, interval_text, speed_text
-from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, errors_in_variables, evidence_of
+from kapitsa_ros.analysis.critical_speed import (
+    Ruler,
+    direct_fit,
+    errors_in_variables,
+    evidence_of,
+    uncertainty_budget,
+)
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
@@ -23,6 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kapitsa_ros._api.inputs import AnyAssumptions, AnyPlant, AnyReadings
+    from kapitsa_ros.analysis.critical_speed import Budget, Evidence
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
@@ -34,6 +41,10 @@ class Reduction:
     """The critical speed by the exact curve and by three lines; speeds in rad/s, None where there is no value."""
 
     readings: Readings
+    evidence: Evidence
+    """What the estimates rest on."""
+    ruler: Ruler
+    gravity: float
     omega_crit: float
     """By the exact curve: the best estimate."""
     omega_crit_interval: tuple[float | None, float | None]
@@ -92,6 +103,10 @@ class Reduction:
             warnings='; '.join(self.warnings) or 'none',
         )
 
+    def budget(self) -> Budget:
+        """Work out what each input contributes to the uncertainty of `omega_crit`."""
+        return uncertainty_budget(self.evidence, self.ruler, self.gravity, self.assumptions)
+
     def to_pandas(self) -> pd.DataFrame:
         """Return a row a line."""
         rows = {
@@ -139,7 +154,7 @@ def reduce(
     Returns
     -------
     Reduction
-        With `.warnings`, `.to_pandas()` and `.plot()`.
+        With `.warnings`, `.budget()`, `.to_pandas()` and `.plot()`.
 
     Raises
     ------
@@ -173,6 +188,9 @@ def reduce(
     best = direct_fit(evidence, ruler, rod.gravity, assumed)
     return Reduction(
         readings=timed,
+        evidence=evidence,
+        ruler=ruler,
+        gravity=rod.gravity,
         omega_crit=best.omega_crit,
         omega_crit_interval=best.interval,
         discrepancy=best.discrepancy,

@@ -5,7 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_from_motion, evidence_of, ruler_of
+from kapitsa_ros.analysis.critical_speed import (
+    direct_fit,
+    evidence_from_motion,
+    evidence_of,
+    ruler_of,
+    uncertainty_budget,
+)
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
@@ -19,7 +25,7 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed import Budget, Evidence, Ruler
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
@@ -79,6 +85,22 @@ def reduce_runs(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTI
     plant = plant_of(runs)
     rows = timing_rows(runs, assumptions.dial_u)
     return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows, assumptions)
+
+
+def budget_of(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> Budget:
+    """Work out what the uncertainty of the critical speed is made of, from the readings of several runs of one plant.
+
+    Raises
+    ------
+    RunError
+        There are no runs, or they are of different plants.
+    NothingTimedError
+        No run was timed.
+
+    """
+    plant = plant_of(runs)
+    evidence = evidence_of(timing_rows(runs, assumptions.dial_u))
+    return uncertainty_budget(evidence, ruler_of(runs[0]), plant.gravity, assumptions)
 
 
 def reduce_motions(

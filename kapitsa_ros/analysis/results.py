@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.units import in_rpm
+from kapitsa_ros.units import RPM, in_rpm
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.critical_speed import Budget
     from kapitsa_ros.analysis.experiment import Experiment
     from kapitsa_ros.analysis.timing_row import TimingRow
     from kapitsa_ros.network.run import Run
@@ -41,6 +42,39 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'deviation_percent': experiment.deviation_percent,
         'ruler': {'amplitude_m': experiment.ruler.amplitude, 'sigma_m': experiment.ruler.sigma},
         'timings': [timing_values(row) for row in experiment.timings],
+    }
+
+
+def budget_values(budget: Budget) -> dict[str, Any]:
+    """Return an uncertainty budget; sensitivities are in RPM over the unit of the input."""
+    return {
+        'inputs': [
+            {
+                'name': row.name,
+                'value': row.value,
+                'unit': row.unit,
+                'u': row.u,
+                'type': row.kind,
+                'distribution': row.distribution,
+                'degrees_of_freedom': row.freedom,
+                'sensitivity_rpm': row.sensitivity / RPM,
+                'contribution_rpm': row.contribution / RPM,
+            }
+            for row in budget.rows
+        ],
+        'correlations': [list(each) for each in budget.correlations],
+        'value_rpm': budget.value / RPM,
+        'u_rpm': budget.u / RPM,
+        'degrees_of_freedom': budget.freedom,
+        'coverage_factor': budget.k,
+        'expanded_rpm': budget.expanded / RPM,
+        'monte_carlo': {
+            'draws': budget.draws,
+            'value_rpm': budget.monte_carlo_value / RPM,
+            'u_rpm': budget.monte_carlo_u / RPM,
+            'interval_rpm': [end / RPM for end in budget.monte_carlo_interval],
+        },
+        'linear': budget.is_linear,
     }
 
 

@@ -22,9 +22,7 @@ def dial_sigma(strobe: StrobeSettings) -> float:
     return math.hypot(strobe.drift_limit / math.sqrt(3.0), 0.5 * strobe.dial_resolution / math.sqrt(12.0))
 
 
-def find_alias(
-    reading: float, speed_asked: float | None, strobe: StrobeSettings, dial_u: float = 0.0
-) -> Fraction:
+def find_alias(reading: float, speed_asked: float | None, strobe: StrobeSettings, dial_u: float = 0.0) -> Fraction:
     """Return the ratio of a reading to the speed of the shaft, since the operator knows roughly the speed asked.
 
     The person stops at a flash rate of (p/q)·ω and halves; where that is not twice ω the reading is p/(2q) times the

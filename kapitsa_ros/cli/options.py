@@ -202,6 +202,16 @@ def assumption_option(command: Callable[..., Any]) -> Callable[..., Any]:
     )(with_assumptions)
 
 
+def budget_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --budget; the command gets `with_budget`."""
+    return click.option(
+        '--budget',
+        'with_budget',
+        is_flag=True,
+        help='also what each input contributes to the uncertainty of the critical speed',
+    )(command)
+
+
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --json; the command gets `as_json`."""
     return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from kapitsa_ros.cli.options import print_json
 from kapitsa_ros.reporting.allowances import allowances
+from kapitsa_ros.reporting.budget_table import budget_sentences
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,4 +27,16 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
     for table in report_tables(values, plant):
         console.print(table)
     for sentence in [*repairs(values), *allowances(values)]:
+        console.print(sentence)
+    if 'budget' in values:
+        show_budget(values['budget'])
+
+
+def show_budget(values: Mapping[str, Any]) -> None:
+    """Print an uncertainty budget."""
+    from kapitsa_ros.reporting.report_tables import budget_table  # noqa: PLC0415  # loads the analysis
+
+    console = Console()
+    console.print(budget_table(values))
+    for sentence in budget_sentences(values):
         console.print(sentence)

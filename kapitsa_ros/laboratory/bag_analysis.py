@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
-from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
-from kapitsa_ros.analysis.results import experiment_values, run_values
+from kapitsa_ros.analysis.experiment import budget_of, reduce_motions, reduce_runs
+from kapitsa_ros.analysis.results import budget_values, experiment_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.recording.reader import RunBag
 
@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.run import Run
 
 
-def analyse_bags(paths: Sequence[Path], assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> dict[str, Any]:
+def analyse_bags(
+    paths: Sequence[Path], assumptions: Assumptions = DEFAULT_ASSUMPTIONS, *, with_budget: bool = False
+) -> dict[str, Any]:
     """Analyse recorded runs from their readings.
 
     Raises
@@ -34,7 +36,10 @@ def analyse_bags(paths: Sequence[Path], assumptions: Assumptions = DEFAULT_ASSUM
     bags = [RunBag(path) for path in paths]
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
     found = reduce_runs([bag.run for bag in bags], assumptions)
-    return {'runs': runs} | experiment_values(found) | origin(bags[0].run)
+    values = {'runs': runs} | experiment_values(found) | origin(bags[0].run)
+    if with_budget:
+        values['budget'] = budget_values(budget_of([bag.run for bag in bags], assumptions))
+    return values
 
 
 def analyse_motions(

@@ -10,6 +10,7 @@ from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows
 from kapitsa_ros.units import INCH, RPM, interval_text
 
 if TYPE_CHECKING:
@@ -22,6 +23,16 @@ _BLANK = ('', '', '')
 def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
     """Return the report's tables with a column of 1997 and a column of the rig."""
     return [_parameters(plant, values['ruler']), _measurements(values), _critical_speed(values)]
+
+
+def budget_table(values: Mapping[str, Any]) -> Table:
+    """Return the uncertainty budget."""
+    table = Table(title='Uncertainty budget of the critical speed', title_justify='left')
+    for heading in HEADINGS:
+        table.add_column(heading, justify='left' if heading in ('input', 'type', 'distribution') else 'right')
+    for row in budget_rows(values):
+        table.add_row(*row)
+    return table
 
 
 def _parameters(plant: Plant, ruler: Mapping[str, float]) -> Table:

@@ -148,3 +148,15 @@ def test_timed_period_is_that_of_the_nonlinear_map():
 def test_one_speed_is_explained_by_anything():
     with pytest.raises(TableError, match='two speeds'):
         explain(Readings(SPEEDS[:1], np.array([0.9]), np.zeros(1), np.array([0.05])), IDEAL)
+
+
+def test_ranking_says_what_it_would_be_with_other_errors(verdict):
+    """χ² of the best cause is 0.03 where 2 is expected: 0.05 s is too much for these three periods."""
+    assert verdict.period_sigma == (0.05, 0.05)
+    best = of(verdict, 'inertia_factor')
+    by_name = {each.name: each for each in verdict.with_other_errors}
+    assert by_name['fitted'].factor == pytest.approx((best.chi_squared / 2.0) ** 0.5)
+    assert by_name['fitted'].factor * 0.05 == pytest.approx(0.0064, abs=1e-4)
+    assert by_name['fitted'].best == ('inertia_factor',)
+    assert by_name['halved'].best == ('inertia_factor', 'large_swing')
+    assert set(by_name['doubled'].best) > {'inertia_factor', 'large_swing', 'amplitude', 'miscount'}

@@ -83,5 +83,6 @@ def test_an_instrument_that_is_off_is_an_input_with_an_uncertainty(assumed, inst
         runs = SimulatedExperiment(plant=Plant(), instruments=instruments, protocol=protocol, seed=seed).runs()
         found, trusting = reduce_runs(runs, told), reduce_runs(runs)
         assert found.interval[0] < truth < found.interval[1]
-        assert np.ptp(found.interval) > 1.3 * np.ptp(trusting.interval)
+        if trusting.interval != (None, None):  # where an alias is not known for one, the runs contradict one another
+            assert np.ptp(found.interval) > 1.3 * np.ptp(trusting.interval)
         assert found.assumptions == told

@@ -1,5 +1,6 @@
 """The critical speed with its interval, from tables and from runs."""
 
+from kapitsa_ros.analysis.critical_speed.budget import Budget, uncertainty_budget
 from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, direct_fit
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import LineFit, errors_in_variables
 from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, evidence_of
@@ -8,6 +9,7 @@ from kapitsa_ros.analysis.critical_speed.ruler import Ruler, ruler_of
 
 __all__ = [
     'Bound',
+    'Budget',
     'CriticalSpeed',
     'Evidence',
     'LineFit',
@@ -17,4 +19,5 @@ __all__ = [
     'evidence_from_motion',
     'evidence_of',
     'ruler_of',
+    'uncertainty_budget',
 ]

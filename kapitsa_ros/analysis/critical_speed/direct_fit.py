@@ -103,8 +103,18 @@ class CurveFit:
             self.discrepancy = excess_scatter(with_discrepancy, self._freedom)
             self._likelihood.discrepancy = self.discrepancy or 0.0
             found = self._fitted()
-        self._best = found.x
+        self._best: NDArray[np.float64] = found.x
         self._sigma = _sigma(found)
+
+    @property
+    def likelihood(self) -> Likelihood:
+        """Of rods like the best one."""
+        return self._likelihood
+
+    @property
+    def best(self) -> NDArray[np.float64]:
+        """Averaged threshold, rad/s, amplitude, m, and damping, 1/s."""
+        return self._best
 
     def posterior(self) -> Posterior:
         """Weigh what else is possible."""

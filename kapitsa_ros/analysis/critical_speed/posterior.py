@@ -37,6 +37,22 @@ _TOP = 0.9995  # of the lowest speed at which a swing was timed
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Rods:
+    """Rods that may be, arrays of shape (M,)."""
+
+    amplitude: Array
+    """λ of a rod without play, and with a perfect stopwatch and dial, that swings alike, m."""
+    damping: Array
+    """1/s."""
+    coulomb: Array
+    """rad/s²."""
+    play: Array
+    """m."""
+    dial: Array
+    """Relative error of the dial."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Posterior:
     """A weighted sample of what is possible."""
 
@@ -50,24 +66,20 @@ class Posterior:
     """That the pivot has play."""
     heavy_damping_probability: float
     """That damping is not light."""
-    coulomb: float
-    """Mean of f, rad/s²."""
+    rods: Rods
+    """The sample, and"""
+    rod_weight: Array
+    """the weight of each, shape (M,); they add up to 1."""
+
+    @property
+    def coulomb(self) -> float:
+        """Mean of f, rad/s²."""
+        return float(self.rod_weight @ self.rods.coulomb)
 
     def quantile(self, share: float) -> float:
         """Return the critical speed, rad/s, below which a share of the probability lies."""
         middle = np.cumsum(self.weight) - 0.5 * self.weight
         return float(np.interp(share, middle, self.threshold))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Rods:
-    amplitude: Array
-    """λ of a rod without play, and with a perfect stopwatch and dial, that swings alike, m."""
-    damping: Array
-    coulomb: Array
-    play: Array
-    dial: Array
-    """Relative error of the dial."""
 
 
 def posterior(likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, start: float) -> Posterior:
@@ -117,7 +129,8 @@ def posterior(likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, st
         log_evidence=total - math.log(weight.size),
         play_probability=float(each @ (rods.play > 0.0)),
         heavy_damping_probability=float(each @ (rods.damping > 3.0 * assumptions.light_damping)),
-        coulomb=float(each @ rods.coulomb),
+        rods=rods,
+        rod_weight=each,
     )
 
 
@@ -158,17 +171,17 @@ class _Prior:
         play, dial = self._play(normal), self._dial(normal)
         ruled = np.maximum(self._amplitude + self._sigma * normal[:, 0], 0.05 * self._amplitude)
         z = normal.copy()
-        z[:, 0] = (ruled * _swell(play / ruled) / (1.0 + dial) - self._amplitude) / self._sigma
+        z[:, 0] = (ruled * swell(play / ruled) / (1.0 + dial) - self._amplitude) / self._sigma
         return z
 
-    def rods(self, z: Array) -> _Rods:
+    def rods(self, z: Array) -> Rods:
         """Return the rods of coordinates."""
         assumed = self._assumptions
         is_heavy, share = _alternative(z[:, 2], assumed.heavy_damping_probability)
         light = assumed.light_damping * ndtri(0.5 + 0.5 * np.minimum(share, 1.0 - 1e-9))
         sticks, of_friction = _alternative(z[:, 3], assumed.coulomb_probability)
         friction = assumed.coulomb_scale * np.tan(0.5 * math.pi * np.minimum(of_friction, 1.0 - 1e-6))
-        return _Rods(
+        return Rods(
             amplitude=np.maximum(self._amplitude + self._sigma * z[:, 0], 0.05 * self._amplitude),
             damping=np.where(is_heavy, assumed.heavy_damping_limit * share, light),
             coulomb=np.where(sticks, friction, 0.0),
@@ -182,7 +195,7 @@ class _Prior:
         play, with_dial = self._play(z), shown * (1.0 + self._dial(z))
         ruled = with_dial
         for _ in range(4):
-            ruled = with_dial / _swell(play / ruled)
+            ruled = with_dial / swell(play / ruled)
         error = (ruled - self._amplitude) / self._sigma
         return np.asarray(-0.5 * error**2 - 0.5 * np.sum(z[:, 1:] ** 2, axis=1))
 
@@ -203,7 +216,7 @@ def _alternative(z: Array, probability: float) -> tuple[NDArray[np.bool_], Array
     return second, np.clip(np.nan_to_num(share), 0.0, 1.0)
 
 
-def _swell(ratio: Array) -> Array:
+def swell(ratio: Array) -> Array:
     """Return λ_eff/λ of the harmonic motion that holds a rod up as a hole with a play of D = `ratio` · λ does.
 
     Between strokes the hole flies on at the pin's fastest, over an angle α of the crank with α − sin α = D/λ, and
@@ -218,7 +231,7 @@ def _swell(ratio: Array) -> Array:
     return np.sqrt(1.0 + 2.0 / math.pi * (0.5 * angle - 0.25 * np.sin(2.0 * angle)))
 
 
-def _conditional(likelihood: Likelihood, rods: _Rods, start: float, offsets: Array) -> tuple[Array, Array]:
+def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Array) -> tuple[Array, Array]:
     """Return thresholds that are possible for each rod, and ln L there times their spacing, shape (M, offsets)."""
     model, timed = likelihood.model, likelihood.evidence.timed
     others = (rods.amplitude, rods.damping, rods.coulomb)

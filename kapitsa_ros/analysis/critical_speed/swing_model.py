@@ -64,19 +64,23 @@ class SwingModel:
             nu2 = np.clip(nu2, -0.5, 0.5)
         return np.asarray(0.5 * speed * np.sqrt(np.maximum(nu2, _NO_SWING)))
 
-    def periods(self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array) -> tuple[Array, Array]:
+    def periods(
+        self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array, forcing: Array | None = None
+    ) -> tuple[Array, Array]:
         """Return what a stopwatch would show per swing, s, and how far that can be trusted, relative; shapes (M, N).
 
         The potential softens the swing by a factor 1 + w, good to about w²; friction lengthens a period by the order
-        of the squared share of the width that it takes, of which nothing is said here.
+        of the squared share of the width that it takes, of which nothing is said here. Speeds are those of the
+        evidence, or `forcing`, shape (M, N).
         """
         timed, release, swings = self._evidence.timed, self._evidence.release, self._evidence.swings
         k = self.k(threshold, amplitude)[:, None]
         reach = k * amplitude[:, None]
-        slow = self.small(threshold, amplitude, damping, timed.forcing)
-        loss = _loss(slow, reach, coulomb, timed.forcing)
+        speed = timed.forcing if forcing is None else forcing
+        slow = self.small(threshold, amplitude, damping, speed)
+        loss = _loss(slow, reach, coulomb, speed)
         start = release / (1.0 - np.minimum(reach, 0.9))  # let go at the bottom of the stroke (report, eq. 12)
-        stiffness, weight = 0.5 * (reach * timed.forcing) ** 2, k * self._gravity
+        stiffness, weight = 0.5 * (reach * speed) ** 2, k * self._gravity
         linear = np.maximum(stiffness - weight, 1e-6)
         slower = np.zeros_like(slow)
         for node, share in zip(_NODES, _WEIGHTS, strict=True):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.explain.causes import Cause
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.plant import Plant
+
+_Tried: TypeAlias = 'Sequence[tuple[Cause, Callable[[float], NDArray[np.float64]]]]'
 
 SUPPORT = 2.0
 """Explanations within this of the best AIC have substantial support (Burnham & Anderson, Model Selection, 2.6)."""
@@ -50,6 +53,18 @@ class Explanation:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OtherErrors:
+    """How the ranking would be with other errors of the periods."""
+
+    name: str
+    """halved, doubled or fitted."""
+    factor: float
+    """On the error stated of each period."""
+    best: tuple[str, ...]
+    """The cause that fits best, and those with substantial support beside it; none where no cause fits."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Ranking:
     """What a table says of all causes."""
 
@@ -57,6 +72,10 @@ class Ranking:
     """Best first."""
     indistinguishable: tuple[str, ...]
     """Those with substantial support, where they are more than one."""
+    period_sigma: tuple[float, float]
+    """Smallest and largest error stated of a period, s: the ranking rests on them."""
+    with_other_errors: tuple[OtherErrors, ...]
+    """With the errors of the periods halved, doubled, and fitted, so that the best cause has its χ² expected."""
     warnings: tuple[str, ...]
 
 
@@ -70,7 +89,38 @@ def explain(readings: Readings, plant: Plant, causes: Sequence[Cause] = CAUSES) 
 
     """
     require_two_speeds(readings)
-    fitted = [_fit(cause, readings, plant) for cause in causes]
+    tried = [(cause, _remembered(cause, plant, readings.forcing)) for cause in causes]
+    ranking, chi_squared = _ranked(readings, plant, tried)
+    factors = {'halved': 0.5, 'doubled': 2.0, 'fitted': math.sqrt(chi_squared / max(readings.period.size - 1, 1))}
+    with np.errstate(divide='ignore'):
+        most = float((readings.period / readings.period_sigma).min())
+    return replace(
+        ranking,
+        with_other_errors=tuple(
+            _other_errors(readings, plant, tried, name, factor)
+            for name, factor in factors.items()
+            if 0.0 < factor < most  # else no period was measured
+        ),
+    )
+
+
+def _other_errors(readings: Readings, plant: Plant, tried: _Tried, name: str, factor: float) -> OtherErrors:
+    ranking, _ = _ranked(replace(readings, period_sigma=factor * readings.period_sigma), plant, tried)
+    first = ranking.explanations[0]
+    return OtherErrors(
+        name=name, factor=factor, best=ranking.indistinguishable or ((first.name,) if first.fits else ())
+    )
+
+
+def _remembered(cause: Cause, plant: Plant, speeds: NDArray[np.float64]) -> Callable[[float], NDArray[np.float64]]:
+    """Return the periods of a cause by its value; what was once worked out is kept."""
+    return cache(lambda value: cause.periods(plant, speeds, value))
+
+
+def _ranked(readings: Readings, plant: Plant, tried: _Tried) -> tuple[Ranking, float]:
+    """Return the ranking with the errors stated, and χ² of the best cause that fits by shape, whatever the errors."""
+    causes = [cause for cause, _ in tried]
+    fitted = [_fit(cause, periods, readings, plant) for cause, periods in tried]
     criteria = np.array([fit.chi_squared + 2.0 * cause.tuned for fit, cause in zip(fitted, causes, strict=True)])
     weights = np.exp(-0.5 * (criteria - criteria.min()))
     weights *= 1.0 / weights.sum() if any(fit.fits for fit in fitted) else math.nan
@@ -79,16 +129,22 @@ def explain(readings: Readings, plant: Plant, causes: Sequence[Cause] = CAUSES) 
     supported = tuple(
         fitted[index].name for index in order if fitted[index].fits and criteria[index] - criteria.min() <= SUPPORT
     )
-    return Ranking(
+    sigma = readings.period_sigma
+    ranking = Ranking(
         explanations=ranked,
         indistinguishable=supported if len(supported) > 1 else (),
+        period_sigma=(float(sigma.min()), float(sigma.max())),
+        with_other_errors=(),
         warnings=_warnings(readings, ranked),
     )
+    return ranking, float(min(fit.chi_squared for fit in fitted))
 
 
-def _fit(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
+def _fit(
+    cause: Cause, periods: Callable[[float], NDArray[np.float64]], readings: Readings, plant: Plant
+) -> Explanation:
     def misfit(value: float) -> NDArray[np.float64]:
-        return np.asarray(readings.period - cause.periods(plant, readings.forcing, value))
+        return np.asarray(readings.period - periods(value))
 
     sigma = _effective_sigma(readings, plant)
 

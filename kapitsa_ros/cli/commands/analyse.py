@@ -9,7 +9,7 @@ import click
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.cli.options import assumption_option, json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, budget_option, json_option, warn_of_repeats
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.tables import write_timings
 from kapitsa_ros.errors import OPTION
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 )
 @click.option('--table', type=click.Path(path_type=Path), help='CSV file for the timings, as `kapitsa reduce` takes it')
 @assumption_option
+@budget_option
 @json_option
 def analyse(
     *,
@@ -38,6 +39,7 @@ def analyse(
     estimator: str | None,
     table: Path | None,
     assumptions: Assumptions,
+    with_budget: bool,
     as_json: bool,
 ) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
@@ -48,11 +50,13 @@ def analyse(
         raise UsageError(
             f'{OPTION}: a blind analysis takes the readings: give --motion too', option='estimator', value=estimator
         )
+    if with_budget and not blind:
+        raise UsageError(f'{OPTION}: a budget is of what was read: leave --motion out', option='budget', value=True)
     if table is not None:
         check_output(table, 'table')
     warn_of_repeats(bags)
     if blind:
-        values = analyse_bags(bags, assumptions)
+        values = analyse_bags(bags, assumptions, with_budget=with_budget)
     else:
         values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
     if table is not None:

@@ -11,6 +11,7 @@ import click
 from kapitsa_ros._api.explain import explain as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
+from kapitsa_ros.reporting.explanation import error_sentences
 from kapitsa_ros.units import interval_text
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ def explain(table: TimingTable, plant: Plant, *, as_json: bool) -> None:
             {
                 'explanations': explanations,
                 'indistinguishable': verdict.indistinguishable,
+                'period_sigma_s': verdict.period_sigma,
+                'with_other_errors': [asdict(each) for each in verdict.with_other_errors],
                 'warnings': verdict.warnings,
             }
         )
@@ -46,6 +49,8 @@ def explain(table: TimingTable, plant: Plant, *, as_json: bool) -> None:
         click.echo(_line(explanation))
     if verdict.indistinguishable:
         click.echo(f'the readings cannot tell apart: {", ".join(verdict.indistinguishable)}')
+    for sentence in error_sentences(verdict.period_sigma, verdict.with_other_errors):
+        click.echo(sentence)
 
 
 def _values(explanation: Explanation) -> dict[str, object]:

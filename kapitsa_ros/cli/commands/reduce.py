@@ -9,7 +9,9 @@ import click
 
 from kapitsa_ros._api.reduce import reduce as call
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
-from kapitsa_ros.cli.options import LENGTH, assumption_option, json_option, plant_options, print_json
+from kapitsa_ros.analysis.results import budget_values
+from kapitsa_ros.cli.options import LENGTH, assumption_option, budget_option, json_option, plant_options, print_json
+from kapitsa_ros.cli.show_result import show_budget
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.units import RPM, in_rpm, interval_text
@@ -31,9 +33,16 @@ if TYPE_CHECKING:
     help='standard error of the amplitude, for the exact curve',
 )
 @assumption_option
+@budget_option
 @json_option
 def reduce(
-    table: TimingTable, plant: Plant, *, amplitude_sigma: float, assumptions: Assumptions, as_json: bool
+    table: TimingTable,
+    plant: Plant,
+    *,
+    amplitude_sigma: float,
+    assumptions: Assumptions,
+    with_budget: bool,
+    as_json: bool,
 ) -> None:
     """Reduce TABLE (by default that of 1997) to the critical speed, by the exact curve and by three lines.
 
@@ -47,6 +56,7 @@ def reduce(
     low, high = (in_rpm(end) for end in found.eiv_interval)
     interval = interval_text((low, high), '{:.2f} RPM'.format)
     curve = tuple(in_rpm(end) for end in found.omega_crit_interval)
+    budget = budget_values(found.budget()) if with_budget else None
     if as_json:
         print_json(
             {
@@ -65,6 +75,7 @@ def reduce(
                 'predicted_rpm': found.predicted / RPM,
                 'error_percent': found.error_percent,
             }
+            | ({} if budget is None else {'budget': budget})
         )
         return
     of_curve = interval_text((curve[0], curve[1]), '{:.2f} RPM'.format)
@@ -77,8 +88,10 @@ def reduce(
         click.echo(f'slope over theory        {found.slope_ratio:.4f}')
     if found.error_percent is not None:
         click.echo(f'error of the inverse fit {found.error_percent:+.1f} %')
-    for sentence in allowances(asdict(found)):
+    for sentence in allowances({**vars(found), 'assumptions': asdict(found.assumptions)}):
         click.echo(sentence)
+    if budget is not None:
+        show_budget(budget)
 
 
 def _text(rpm: float | None) -> str:

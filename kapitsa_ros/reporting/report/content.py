@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed import direct_fit, errors_in_variables, evidence_of, ruler_of
+from kapitsa_ros.analysis.critical_speed import (
+    direct_fit,
+    errors_in_variables,
+    evidence_of,
+    ruler_of,
+    uncertainty_budget,
+)
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
@@ -27,7 +33,7 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import CriticalSpeed, Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed import Budget, CriticalSpeed, Evidence, Ruler
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.explain import Ranking
     from kapitsa_ros.analysis.plan import Plan, Separation
@@ -85,6 +91,7 @@ class Content:
     assumptions: Assumptions
     curve: CriticalSpeed | None
     """The exact curve fitted to what was read; None where nothing was timed."""
+    budget: Budget | None
     timings: tuple[TimingRow, ...]
     """What was read in these runs, with the repairs that the estimates rest on."""
     timed: Readings
@@ -128,6 +135,7 @@ def gather(
         ruler=ruler,
         assumptions=assumptions,
         curve=curve,
+        budget=None if curve is None else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions),
         timings=tuple(rows),
         timed=evidence.timed,
         of_1997=of_1997,

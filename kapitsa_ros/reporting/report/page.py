@@ -14,9 +14,11 @@ from markupsafe import Markup
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
-from kapitsa_ros.analysis.results import timing_values
+from kapitsa_ros.analysis.results import budget_values, timing_values
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.reporting.allowances import allowances
+from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
+from kapitsa_ros.reporting.explanation import error_sentences
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
 from kapitsa_ros.reporting.report.drawings import intervals, recorded_spectrum, recorded_swing
@@ -35,7 +37,10 @@ _WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the te
 def render(content: Content) -> str:
     """Return the page: HTML that asks nothing of any other file or host."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters.update(rpm=_rpm, inch=_inch, number=_number, ends=_ends)
+    environment.globals.update(error_sentences=error_sentences)
+    environment.filters.update(
+        rpm=_rpm, inch=_inch, number=_number, ends=_ends, budget_rows=budget_rows, budget_sentences=budget_sentences
+    )
     template = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
     timings = [timing_values(row) for row in content.timings]
     return template.render(
@@ -43,6 +48,8 @@ def render(content: Content) -> str:
         timings=timings,
         repairs=repairs({'timings': timings}),
         allowances=allowances(_interval_values(content)),
+        budget=None if content.budget is None else budget_values(content.budget),
+        budget_headings=HEADINGS,
         report=Plant(),
         trials={trial.name: trial for trial in content.trials},
         as_built_on_bearing=AS_BUILT_ON_BEARING,
