@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS, slow_periods, small_swings
 from kapitsa_ros.physics.theory.friction import dithered_factor
 
 if TYPE_CHECKING:
@@ -17,17 +17,9 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-FIRST_PRESS = 0.75
-"""Periods from the release to the first press: the second passage through upright."""
-
-_ITERATIONS = 5  # of ν², each of which makes it some 100 times better
-_NO_SWING = 1e-10  # ν² that stands for no slow frequency at all
-_WIDEST = 1.4  # rad
-_BARRIER = 1e-3  # share of the small swing's stiffness that is left to a swing at the barrier
 _LEAST_DAMPING = 1e-9  # 1/s; below, the limit without any is as good
 _MOST_SWINGS = 1e6
-_PHASES = np.sin((np.arange(4) + 0.5) * math.pi / 8.0)  # midpoints: the integrand is periodic and smooth
-_NODES, _WEIGHTS = (0.5 * (np.polynomial.legendre.leggauss(2)[0] + 1.0)).tolist(), (0.5, 0.5)  # of the time of a timing
+_RATIOS, _SPACING = 61, 0.05  # of the table of friction's factor
 
 
 class SwingModel:
@@ -54,15 +46,11 @@ class SwingModel:
     def small(self, threshold: Array, amplitude: Array, damping: Array, speed: Array) -> Array:
         """Return Ω of small swings, rad/s, shape (M, N)."""
         k = self.k(threshold, amplitude)
-        q2 = ((2.0 * k * amplitude) ** 2)[:, None]
-        q4 = q2 * q2 / 32.0
-        goal = -4.0 * (k * self._gravity)[:, None] / speed**2 - (damping[:, None] / speed) ** 2
-        nu2 = np.clip(goal + 0.5 * q2, 0.0, 0.5)
-        for _ in range(_ITERATIONS):
-            near, far = nu2 - 1.0, nu2 - 4.0
-            nu2 = goal - q2 / (2.0 * near) - (5.0 * nu2 + 7.0) * q4 / (near * near * near * far)
-            nu2 = np.clip(nu2, -0.5, 0.5)
-        return np.asarray(0.5 * speed * np.sqrt(np.maximum(nu2, _NO_SWING)))
+        slow = np.empty((k.size, speed.shape[-1]))
+        small_swings(
+            k, amplitude, damping, np.ascontiguousarray(np.broadcast_to(speed, slow.shape)), self._gravity, slow
+        )
+        return slow
 
     def periods(
         self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array, forcing: Array | None = None
@@ -73,28 +61,24 @@ class SwingModel:
         of the squared share of the width that it takes, of which nothing is said here. Speeds are those of the
         evidence, or `forcing`, shape (M, N).
         """
-        timed, release, swings = self._evidence.timed, self._evidence.release, self._evidence.swings
-        k = self.k(threshold, amplitude)[:, None]
-        reach = k * amplitude[:, None]
-        speed = timed.forcing if forcing is None else forcing
-        slow = self.small(threshold, amplitude, damping, speed)
-        loss = _loss(slow, reach, coulomb, speed)
-        start = release / (1.0 - np.minimum(reach, 0.9))  # let go at the bottom of the stroke (report, eq. 12)
-        stiffness, weight = 0.5 * (reach * speed) ** 2, k * self._gravity
-        linear = np.maximum(stiffness - weight, 1e-6)
-        slower = np.zeros_like(slow)
-        for node, share in zip(_NODES, _WEIGHTS, strict=True):
-            width = _width(start, loss, damping, slow, FIRST_PRESS + node * swings)
-            edge = np.sin(0.5 * np.minimum(width, _WIDEST))[..., None]
-            half = edge * _PHASES
-            left = np.maximum(
-                stiffness[..., None] * (1.0 - edge**2 - half**2) - weight[..., None], _BARRIER * linear[..., None]
-            )
-            slower += share * np.sqrt(linear) * np.mean(1.0 / np.sqrt(left * (1.0 - half**2)), axis=-1)
-        middle = np.maximum(_width(start, loss, damping, slow, FIRST_PRESS + 0.5 * swings), loss)
-        eaten = np.where(loss > 0.0, loss / np.maximum(middle, 1e-300), 0.0)
-        doubt = np.hypot(0.3 * (slower - 1.0) ** 2, 0.1 * eaten**2)
-        return 2.0 * math.pi / slow * slower * self.correction, doubt
+        timed = self._evidence.timed
+        period, doubt = np.empty((threshold.size, timed.period.size)), np.empty((threshold.size, timed.period.size))
+        speed = np.ascontiguousarray(np.broadcast_to(timed.forcing if forcing is None else forcing, period.shape))
+        slow_periods(
+            self.k(threshold, amplitude),
+            amplitude,
+            damping,
+            coulomb,
+            speed,
+            self._evidence.release,
+            self._evidence.swings,
+            self._gravity,
+            _friction_factors(),
+            _SPACING,
+            period,
+            doubt,
+        )
+        return period * self.correction, doubt
 
     def swings_before_stop(
         self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array
@@ -106,7 +90,7 @@ class SwingModel:
         reach = (self.k(threshold, amplitude) * amplitude)[:, None]
         slow = self.small(threshold, amplitude, damping, speed)
         loss = _loss(slow, reach, coulomb, speed)
-        rate = damping[:, None] * math.pi / slow  # of the width, a period
+        rate = damping[:, None] * np.pi / slow  # of the width, a period
         start = release / (1.0 - np.minimum(reach, 0.9))
         light = np.maximum(rate, _LEAST_DAMPING)
         lasts = np.minimum(np.log1p(start * light / np.maximum(loss, 1e-12)) / light, _MOST_SWINGS)
@@ -120,18 +104,11 @@ class SwingModel:
 
 def _loss(slow: Array, reach: Array, coulomb: Array, speed: Array) -> Array:
     """Return what friction takes from the width in a period, rad: K(r) f/Ω² with r = Ω/(kλω)."""
-    ratios, factors = _dither_table()
-    return np.asarray(coulomb[:, None] * np.interp(slow / (reach * speed), ratios, factors) / slow**2)
+    factors = _friction_factors()
+    factor = np.interp(slow / (reach * speed), _SPACING * np.arange(_RATIOS), factors)
+    return np.asarray(coulomb[:, None] * factor / slow**2)
 
 
 @cache
-def _dither_table() -> tuple[Array, Array]:
-    ratios = np.linspace(0.0, 3.0, 61)
-    return ratios, np.array([dithered_factor(ratio) if ratio else 0.0 for ratio in ratios.tolist()])
-
-
-def _width(start: Array, loss: Array, damping: Array, slow: Array, periods: Array) -> Array:
-    """Return the width after some periods, rad: A′ = −cA/2 − (friction's loss), and 0 at the end."""
-    decay = damping[:, None] * math.pi / slow * periods
-    mean = np.where(decay > 1e-8, -np.expm1(-decay) / np.maximum(decay, 1e-300), 1.0)
-    return np.maximum(start * np.exp(-decay) - loss * periods * mean, 0.0)
+def _friction_factors() -> Array:
+    return np.array([dithered_factor(_SPACING * index) if index else 0.0 for index in range(_RATIOS)])
