@@ -7,7 +7,7 @@ from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.critical_speed.ruler import Ruler
-from kapitsa_ros.analysis.critical_speed.swing_model import FIRST_PRESS, SwingModel
+from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -15,6 +15,7 @@ from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.laboratory.campaign import perform
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.units import RPM

@@ -86,9 +86,11 @@ class CurveFit:
         self._likelihood = Likelihood(evidence, gravity)
         self._freedom = max(evidence.timed.period.size - 1, 1)
         self._coulomb = 0.0
+        self._first: Posterior | None = None
         if evidence.stops:
             guess = self._likelihood.first_guess(ruler.amplitude)
-            self._coulomb = posterior(self._likelihood, ruler, assumptions, guess).coulomb
+            self._first = posterior(self._likelihood, ruler, assumptions, guess)
+            self._coulomb = self._first.coulomb
         found = self._fitted()
         self.chi_squared = 2.0 * float(found.cost)
         """At the best fit with the errors stated."""
@@ -118,7 +120,7 @@ class CurveFit:
 
     def posterior(self) -> Posterior:
         """Weigh what else is possible."""
-        return posterior(self._likelihood, self._ruler, self._assumptions, float(self._best[0]))
+        return posterior(self._likelihood, self._ruler, self._assumptions, float(self._best[0]), self._first)
 
     def answer(self, possible: Posterior) -> CriticalSpeed:
         """Return the best fit with the interval of a posterior."""

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import log_ndtr
 
-from kapitsa_ros.analysis.critical_speed.swing_model import FIRST_PRESS, SwingModel
+from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.physics.errors import PhysicsError
+from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear

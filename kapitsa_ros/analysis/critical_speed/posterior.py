@@ -70,6 +70,8 @@ class Posterior:
     """The sample, and"""
     rod_weight: Array
     """the weight of each, shape (M,); they add up to 1."""
+    proposal: tuple[Array, Array | None]
+    """Mean and root of what rods were drawn from; without a root, from the prior."""
 
     @property
     def coulomb(self) -> float:
@@ -82,7 +84,9 @@ class Posterior:
         return float(np.interp(share, middle, self.threshold))
 
 
-def posterior(likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, start: float) -> Posterior:
+def posterior(
+    likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, start: float, like: Posterior | None = None
+) -> Posterior:
     """Weigh what is possible.
 
     Parameters
@@ -95,11 +99,13 @@ def posterior(likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, st
         What is known of all else.
     start
         A threshold that fits about, rad/s.
+    like
+        Another posterior that this one is much like: what it drew from is the first proposal.
 
     """
     base, chi, offsets = _sequence()
     prior = _Prior(ruler, assumptions)
-    mean, root = np.zeros(_DIMENSIONS), None
+    mean, root = (np.zeros(_DIMENSIONS), None) if like is None else like.proposal
     for _ in range(_MOST_ROUNDS):
         z = prior.place(base) if root is None else mean + (base * chi[:, None]) @ root.T
         rods = prior.rods(z)
@@ -131,6 +137,7 @@ def posterior(likelihood: Likelihood, ruler: Ruler, assumptions: Assumptions, st
         heavy_damping_probability=float(each @ (rods.damping > 3.0 * assumptions.light_damping)),
         rods=rods,
         rod_weight=each,
+        proposal=(mean, root),
     )
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS, slow_periods, small_swings
+from kapitsa_ros.physics.kernels.slow_period import slow_periods, small_swings
 from kapitsa_ros.physics.theory.friction import dithered_factor
 
 if TYPE_CHECKING:
