@@ -53,7 +53,9 @@ CORE = [
     'setproctitle>=1.3',
 ]
 REPORT = [
+    'fpdf2>=2.8',
     'jinja2>=3.1',
+    'markdown-it-py>=3.0',
     'matplotlib>=3.6',
     'pandas>=2.1',
     'pyarrow>=14',

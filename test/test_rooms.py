@@ -43,8 +43,8 @@ def test_imports_point_down(path: Path) -> None:
 
 STAND_ON = {
     'ament_index_python', 'builtin_interfaces', 'click', 'diagnostic_msgs', 'distributed', 'domain_coordinator',
-    'jinja2',
-    'kapitsa_ros', 'launch', 'launch_ros', 'markupsafe', 'matplotlib',
+    'fpdf', 'jinja2', 'markdown_it',
+    'kapitsa_ros', 'launch', 'launch_ros', 'matplotlib',
     'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
     'pytest',
     'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'std_msgs',

@@ -1,4 +1,4 @@
-"""`report`: one self-contained page about recorded runs."""
+"""`report`: one file about recorded runs."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros._api.inputs import as_assumptions, as_readings
 from kapitsa_ros._api.result import describe, speed_text
-from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.naming import repeats
 from kapitsa_ros.recording.reader import RunBag
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from kapitsa_ros._api.inputs import AnyAssumptions
     from kapitsa_ros.reporting.report.content import Content
@@ -45,6 +45,8 @@ def report(
     *,
     experiments: int | None = None,
     assumptions: AnyAssumptions = None,
+    format: str | None = None,  # noqa: A002 - the option's name
+    on_progress: Callable[[str], None] | None = None,
 ) -> Report:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan.
 
@@ -53,11 +55,15 @@ def report(
     bags
         Folders of the runs; the readings of one that is given twice count twice, and `.warnings` says so.
     output
-        The HTML file to write; its folder must be there.
+        The file to write; its folder must be there.
     experiments
         Virtual ones on each preset, which say whether a bearing would have given the answer; 40 where not given.
     assumptions
         What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
+    format
+        html, md or pdf; by the suffix of `output` where not given, and html where that is none of them.
+    on_progress
+        Called with what is being worked out.
 
     Returns
     -------
@@ -79,15 +85,24 @@ def report(
     page = Path(output)
     check_output(page)
     try:
-        from kapitsa_ros.reporting.report import gather, render  # noqa: PLC0415
+        from kapitsa_ros.reporting.report import WRITERS, gather  # noqa: PLC0415
     except ImportError as error:
         raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    suffix = page.suffix.removeprefix('.')
+    kind = format or (suffix if suffix in WRITERS else 'html')
+    if kind not in WRITERS:
+        raise OutputError(f'{OPTION}: no format: give one of {", ".join(WRITERS)}', option='format', value=kind)
+    progress = on_progress or (lambda _: None)
     paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
-    trials = {} if experiments is None else {'experiments': experiments}
+    trials: dict[str, int] = {} if experiments is None else {'experiments': experiments}
     content = gather(
-        [RunBag(path).recorded for path in paths], as_readings('1997'), as_assumptions(assumptions), **trials
+        [RunBag(path).recorded for path in paths],
+        as_readings('1997'),
+        as_assumptions(assumptions),
+        on_progress=progress,
+        **trials,
     )
-    html = render(content)
+    progress('drawing')
     with replacing(page) as draft:
-        draft.write_text(html, encoding='utf-8')
+        WRITERS[kind](content, draft)
     return Report(output=page, content=content, warnings=repeats(paths))

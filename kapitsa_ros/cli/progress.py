@@ -32,3 +32,10 @@ def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
 
     with status:
         yield take
+
+
+@contextmanager
+def shown_stages() -> Iterator[Callable[[str], None]]:
+    """Show what long work is at, where stderr is a terminal; yield what takes it."""
+    with Status('starting', console=Console(file=sys.stderr)) as status:
+        yield status.update

@@ -15,10 +15,10 @@ def allowances(values: Mapping[str, Any]) -> list[str]:
     play, heavy = _in_percent(values['play_probability']), _in_percent(values['heavy_damping_probability'])
     assumed = values['assumptions']
     allowed = [
-        f'{name} up to {assumed[limit]:.3g}{unit}'
-        for name, probability, limit, unit in (
-            ('play', 'play_probability', 'play_limit', ' m'),
-            ('damping', 'heavy_damping_probability', 'heavy_damping_limit', ' 1/s'),
+        f'{name} up to {factor * assumed[limit]:.3g}{unit}'
+        for name, probability, limit, factor, unit in (
+            ('play', 'play_probability', 'play_limit', 1e3, ' mm'),
+            ('damping', 'heavy_damping_probability', 'heavy_damping_limit', 1.0, ' 1/s'),
         )
         if assumed[probability]
     ]

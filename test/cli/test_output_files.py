@@ -57,8 +57,8 @@ def test_a_report_that_the_disk_does_not_take_leaves_the_old_one(
 ) -> None:
     pytest.importorskip('jinja2')
     pytest.importorskip('matplotlib')
-    monkeypatch.setattr(kapitsa_ros.reporting.report, 'gather', lambda *_: None)
-    monkeypatch.setattr(kapitsa_ros.reporting.report, 'render', lambda _: 'page ' * 10_000)
+    monkeypatch.setattr(kapitsa_ros.reporting.report, 'gather', lambda *_, **__: None)
+    monkeypatch.setitem(kapitsa_ros.reporting.report.WRITERS, 'html', lambda _, path: path.write_text('page ' * 10_000))
     file = tmp_path / 'report.html'
     arguments = [str(resource_path('bags', 'run_01_2240rpm')), '--output', str(file)]
     fails_to_write(lambda: CliRunner().invoke(report, arguments, catch_exceptions=False), file)

@@ -1,3 +1,4 @@
+import base64
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -9,6 +10,7 @@ pytest.importorskip('matplotlib')
 pytest.importorskip('jinja2')
 
 from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_of, ruler_of
+from kapitsa_ros.analysis.experiment import budget_of
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.cli.commands.report import report
@@ -22,8 +24,10 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.reporting.report import gather, render
+from kapitsa_ros.reporting.report import WRITERS, as_html, gather
+from kapitsa_ros.reporting.report.drawings import drawings_of
 from kapitsa_ros.resources import resource_path
+from kapitsa_ros.schema import describe
 from kapitsa_ros.units import RPM
 
 
@@ -38,8 +42,13 @@ def runs():
 
 
 @pytest.fixture(scope='module')
-def page(runs):
-    return render(gather(runs, load_table('1997'), experiments=2))
+def content(runs):
+    return gather(runs, load_table('1997'), experiments=2)
+
+
+@pytest.fixture(scope='module')
+def page(content):
+    return as_html(content)
 
 
 @pytest.fixture(scope='module')
@@ -95,7 +104,7 @@ def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
 
 def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
     reader = _Reader()
-    reader.feed(render(of_one_bag))
+    reader.feed(as_html(of_one_bag))
     fit = direct_fit(evidence_of(timing_rows([runs[0].run])), ruler_of(runs[0].run))
     assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
     assert 'Single causes against the readings of these runs' not in reader.text
@@ -103,9 +112,9 @@ def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
 
 def test_runs_off_the_curve_are_said_to_be(of_one_bag):
     *others, best = of_one_bag.estimates
-    for discrepancy, words in ((0.004, '0.4\xa0% of each period'), (None, 'contradict one another')):
+    for discrepancy, words in ((0.004, '0.4 % of each period'), (None, 'contradict one another')):
         reader = _Reader()
-        reader.feed(render(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
+        reader.feed(as_html(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
         assert words in reader.text
 
 
@@ -116,16 +125,63 @@ def test_a_fall_alone_makes_a_report_that_shows_it():
     assert run.fell
     fall = Release(plant=Plant(), speed=1340 * RPM, angle=0.12).sampled(5.0)
     recorded = RecordedRun(name='run_01_1340rpm', run=run, time=fall.time, angle=fall.angle)
-    page = render(gather([recorded], load_table('1997'), experiments=1))
+    page = as_html(gather([recorded], load_table('1997'), experiments=1))
     for words in ('these runs give no critical speed', '<td>fell</td>', 'Figure 4'):
         assert words in page
 
 
 def test_a_run_without_motion_makes_a_report_without_its_figures(runs):
     still = [replace(recorded, time=recorded.time[:0], angle=recorded.angle[:0]) for recorded in runs]
-    page = render(gather(still, load_table('1997'), experiments=1))
+    page = as_html(gather(still, load_table('1997'), experiments=1))
     assert 'Figure 3' in page
     assert 'Figure 4' not in page
+
+
+def test_all_formats_say_the_same(of_one_bag, page, tmp_path):
+    WRITERS['md'](of_one_bag, tmp_path / 'report.md')
+    text = (tmp_path / 'report.md').read_text(encoding='utf-8')
+    reader = _Reader()
+    reader.feed(as_html(of_one_bag))
+    for title in re.findall(r'^\*\*(Table \d.*)\*\*$|^## (.*)$', text, re.MULTILINE):
+        assert ''.join(title) in reader.text
+    best = f'{of_one_bag.curve.omega_crit / RPM:.1f} RPM'
+    assert best in text
+    assert best in reader.text
+    drawn = [base64.b64decode(data).decode() for data in re.findall(r'image/svg\+xml;base64,([^)]*)', text)]
+    assert len(drawn) == len(drawings_of(of_one_bag)) == page.count('<figure>') - 4  # two runs with two figures each
+    assert all('<text' in drawing for drawing in drawn)  # it can be selected
+
+
+def test_pdf_has_pages_of_a4(of_one_bag, tmp_path):
+    WRITERS['pdf'](of_one_bag, tmp_path / 'report.pdf')
+    written = (tmp_path / 'report.pdf').read_bytes()
+    assert written.startswith(b'%PDF-')
+    assert b'/MediaBox [0 0 595.28 841.89]' in written
+    assert int(re.search(rb'/Count (\d+)', written)[1]) >= 5
+
+
+def test_every_parameter_of_the_plant_and_every_run_is_in_it(page, runs):
+    for item in describe(Plant):
+        assert f'<td>{item.name.replace("_", " ")}</td>' in page
+    for recorded in runs:
+        assert f'aria-label="Figure 4: time history of θ, {recorded.name}"' in page
+        assert f'aria-label="Figure 5: spectrum of θ, {recorded.name}"' in page
+    named = [float(text) for text in re.findall(r'Ω = ([\d.]+) RPM', page)]
+    assert named == pytest.approx([60.0 / recorded.run.period for recorded in runs], rel=0.1)
+
+
+def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs):
+    reader = _Reader()
+    reader.feed(page)
+    text = ' '.join(reader.text.split())
+    budget = budget_of([recorded.run for recorded in runs])
+    assert f'u_c = {budget.u / RPM:.0f} RPM' in text
+    assert 'Most of the uncertainty comes from play D' in text
+    assert 'The interval holds the exact threshold of the plant simulated' in text
+    _, low, high = content.trials[0].inverse_ols
+    is_within = low <= content.estimates[0].of_1997 <= high
+    assert ('as a deviation of the critical speed they are not significant' in text) == is_within
+    assert ('lie outside of it' in text) != is_within
 
 
 def test_swing_begins_where_it_was_let_go(runs):

@@ -1,4 +1,4 @@
-"""`kapitsa report`: one self-contained page about recorded runs."""
+"""`kapitsa report`: one file about recorded runs."""
 
 from __future__ import annotations
 
@@ -15,16 +15,24 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option('--output', type=click.Path(path_type=Path, dir_okay=False), required=True, help='the HTML file to write')
+@click.option('--output', type=click.Path(path_type=Path, dir_okay=False), required=True, help='the file to write')
+@click.option(
+    '--format',
+    'kind',
+    type=click.Choice(['html', 'md', 'pdf']),
+    help='of the file  [default: by its suffix, else html]',
+)
 @assumption_option
 @json_option
-def report(*, bags: tuple[Path, ...], output: Path, assumptions: Assumptions, as_json: bool) -> None:
-    """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan."""
+def report(*, bags: tuple[Path, ...], output: Path, kind: str | None, assumptions: Assumptions, as_json: bool) -> None:
+    """Write a report on recorded runs: tables and figures beside 1997, uncertainty, causes, a plan, a discussion."""
     warn_of_repeats(bags)
     from kapitsa_ros._api.report import report as call  # noqa: PLC0415
     from kapitsa_ros.cli.options import print_json  # noqa: PLC0415
+    from kapitsa_ros.cli.progress import shown_stages  # noqa: PLC0415
 
-    call(bags, output, assumptions=assumptions)
+    with shown_stages() as on_progress:
+        call(bags, output, assumptions=assumptions, format=kind, on_progress=on_progress)
     if as_json:
         print_json({'output': str(output)})
     else:

@@ -26,7 +26,8 @@ def extrapolation(ours: Readings, theirs: Readings, line: LineFit | None) -> Fig
         axes.plot(slow / RPM, forcing / RPM, color=BLUE, label='least squares, as in 1997')
     bars = ours.slow / ours.period * ours.period_sigma / RPM
     axes.errorbar(ours.slow / RPM, ours.forcing / RPM, xerr=bars, fmt='o', color=ORANGE, label='these runs')
-    axes.plot(theirs.slow / RPM, theirs.forcing / RPM, 's', color=GREY, label='1997')
+    bars = theirs.slow / theirs.period * theirs.period_sigma / RPM
+    axes.errorbar(theirs.slow / RPM, theirs.forcing / RPM, xerr=bars, fmt='s', color=GREY, label='1997')
     axes.set(xlabel='Ω (RPM)', ylabel='ω (RPM)', ylim=(0, 3000))
     axes.legend(fontsize=8)
     return figure

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
+    from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.plant import Plant
 
 _MARKED = 50  # speeds; more make a line
@@ -26,8 +27,14 @@ def frequency_sweep(
     plant: Plant,
     measured: Sequence[tuple[float, float]],
     release: float = 0.12,
+    *,
+    readings: Readings | None = None,
+    own: Plant | None = None,
 ) -> Figure:
-    """Draw simulation, exact and averaged theory from 1000 to 3000 RPM, with measured pairs (ω, Ω) in rad/s."""
+    """Draw simulation, exact and averaged theory from 1000 to 3000 RPM, with measured pairs (ω, Ω) in rad/s.
+
+    Where `readings` are given, their standard errors are bars; where another plant is, its exact theory is drawn too.
+    """
     figure = blank('Figure 6: slow frequency over forcing frequency')
     (axes,) = figure.axes
     fine, coarse = np.linspace(1000.0, 3000.0, 800), np.arange(1000.0, 3001.0, 50.0)
@@ -38,8 +45,17 @@ def frequency_sweep(
     axes.plot(fine, averaged, color=GREY, linestyle='--', label='averaged theory (eq. 15)')
     simulated = _rpm(coarse, lambda speed: _simulated(plant, speed, release))
     axes.plot(coarse, simulated, 'x', color=INK, markersize=4, label=f'simulation, {release:g} rad')
+    if own is not None:
+        curve = _rpm(fine, lambda speed: theory.slow_frequency_exact(own, speed))
+        label = 'exact theory of the plant simulated' + (', play aside' if own.clearance else '')
+        axes.plot(fine, curve, color=ORANGE, linewidth=1.0, linestyle='-.', label=label)
     points = np.reshape(measured, (-1, 2)) / RPM
     axes.plot(points[:, 0], points[:, 1], 'o', color=ORANGE, label='measured')
+    if readings is not None:
+        bars = readings.slow / readings.period * readings.period_sigma / RPM
+        axes.errorbar(
+            points[:, 0], points[:, 1], yerr=bars, xerr=readings.forcing_sigma / RPM, fmt='none', ecolor=ORANGE
+        )
     edge = theory.omega_crit_exact(plant) / RPM
     axes.axvspan(0.0, edge, color=GREY, alpha=0.15, linewidth=0)
     axes.text(edge - 15.0, 20.0, f'falls below\n{edge:.1f} RPM', ha='right', fontsize=8, color=INK)

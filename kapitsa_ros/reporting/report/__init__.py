@@ -1,6 +1,6 @@
-"""The report: one self-contained page, the rig's figures beside those of 1997; it needs the extra `report`."""
+"""The report: these runs beside those of 1997, in one file of HTML, Markdown or PDF; it needs the extra `report`."""
 
 from kapitsa_ros.reporting.report.content import Content, gather
-from kapitsa_ros.reporting.report.page import render
+from kapitsa_ros.reporting.report.formats import WRITERS, as_html
 
-__all__ = ['Content', 'gather', 'render']
+__all__ = ['WRITERS', 'Content', 'as_html', 'gather']

@@ -72,6 +72,8 @@ class Trial:
     name: str
     truth: float
     campaign: Campaign
+    inverse_ols: tuple[float, float, float]
+    """By the fit of 1997, rad/s: median, 16th and 84th percentile; nan where it gave none."""
     plan: Plan | None
     """The cheapest protocol for the target, instead of that of 1997; None where there is none."""
 
@@ -111,6 +113,7 @@ def gather(
     of_1997: Readings,
     assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
     experiments: int = EXPERIMENTS,
+    on_progress: Callable[[str], None] = lambda _: None,
 ) -> Content:
     """Work out everything the report says, with `experiments` virtual ones for each preset.
 
@@ -125,17 +128,25 @@ def gather(
     nominal = ideal_rod(plant)
     rows = timing_rows(blind, assumptions.dial_u)
     evidence, ruler = evidence_of(rows), ruler_of(blind[0])
+    on_progress('fitting the readings')
     curve = direct_fit(evidence, ruler, nominal.gravity, assumptions) if evidence.timed.period.size else None
+    budget = None if curve is None else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions)
+    on_progress('trying causes')
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
+    trials = []
+    for name, each in _plants().items():
+        on_progress(f'{experiments} virtual experiments: {name}')
+        trials.append(_trial(name, each, experiments))
+    on_progress('planning')
     return Content(
         runs=tuple(runs),
         plant=plant,
         ruler=ruler,
         assumptions=assumptions,
         curve=curve,
-        budget=None if curve is None else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions),
+        budget=budget,
         timings=tuple(rows),
         timed=evidence.timed,
         of_1997=of_1997,
@@ -143,7 +154,7 @@ def gather(
         predicted=omega_crit_averaged(nominal),
         truth=true_threshold(plant),
         verdicts=tuple(verdicts),
-        trials=tuple(_trial(name, plant, experiments) for name, plant in _plants().items()),
+        trials=tuple(trials),
         plan=_plan(nominal),
         separation=best_separation(of_1997, Plant(), 'inertia_factor', 'large_swing'),
     )
@@ -195,8 +206,16 @@ def _trial(name: str, plant: Plant, experiments: int) -> Trial:
         plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
     truth = omega_crit_with_play(plant)
-    campaign = summarise(list(perform_all(experiment, experiments)), truth)
-    return Trial(name=name, truth=truth, campaign=campaign, plan=_plan(plant))
+    outcomes = list(perform_all(experiment, experiments))
+    lines = [outcome.inverse_ols for outcome in outcomes if outcome.inverse_ols is not None]
+    middle, low, high = np.quantile(lines, (0.5, 0.16, 0.84)).tolist() if lines else (np.nan,) * 3
+    return Trial(
+        name=name,
+        truth=truth,
+        campaign=summarise(outcomes, truth),
+        inverse_ols=(middle, low, high),
+        plan=_plan(plant),
+    )
 
 
 def _plan(plant: Plant) -> Plan | None:

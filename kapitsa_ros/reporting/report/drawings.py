@@ -1,12 +1,18 @@
-"""The figures of the report that come from the runs themselves."""
+"""The figures of the report, in their order, with captions."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.experiment import ideal_rod
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols
+from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
+from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.figures.canvas import BLUE, GREY, INK, ORANGE, blank
 from kapitsa_ros.reporting.figures.spectrum import amplitudes
 from kapitsa_ros.units import RPM
@@ -17,9 +23,64 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kapitsa_ros.analysis.recorded_run import RecordedRun
-    from kapitsa_ros.reporting.report.content import Estimate
+    from kapitsa_ros.reporting.report.content import Content, Estimate
 
 _SHOWN = 5.0  # s of Figure 4
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawing:
+    """A figure, and what the text says of it."""
+
+    name: str
+    """Of its file, without a path."""
+    title: str
+    caption: str
+    figure: Figure
+
+
+def drawings_of(content: Content) -> list[Drawing]:
+    """Draw all figures of a report."""
+    ours, nominal = content.timed, ideal_rod(content.plant)
+    try:
+        line = fit_inverse_ols(ours)
+    except TableError:
+        line = None  # Figure 3 is without it, as Table 3 is
+    speeds = sorted({row.speed for row in content.timings if row.speed is not None})
+    figures = [
+        (
+            intervals(content.estimates, content.predicted, content.truth),
+            'Each estimate with its interval; an arrow is an end that is unbounded.',
+        ),
+        (
+            stability_boundaries(nominal, speeds, stacked=True),
+            'The rod stands in the shaded region; the dots are the speeds of these runs.',
+        ),
+        (
+            extrapolation(ours, content.of_1997, line),
+            'The line is extrapolated to Ω = 0, far beyond the readings; bars are standard uncertainties.',
+        ),
+    ]
+    for run in content.runs:
+        if run.has_moved():
+            end = 'the rod falls' if run.run.fell else f'let go at {abs(run.run.release or 0.0):.3g} rad'
+            figures.append((recorded_swing(run), f'The angle as recorded, from the last release on: {end}.'))
+            if not run.run.fell:
+                figures.append((recorded_spectrum(run), 'The slow line is Ω, its two companions stand at ω ± Ω.'))
+    own = None if content.plant == nominal else content.plant
+    figures.append(
+        (
+            frequency_sweep(nominal, list(zip(ours.forcing, ours.slow, strict=True)), readings=ours, own=own),
+            (
+                'Theory and simulation of the ideal rod, and of the plant simulated where that is another; '
+                'bars are standard uncertainties.'
+            ),
+        )
+    )
+    return [
+        Drawing(name=f'figure_{index}.svg', title=figure.get_suptitle(), caption=caption, figure=figure)
+        for index, (figure, caption) in enumerate(figures, start=1)
+    ]
 
 
 def recorded_swing(recorded: RecordedRun) -> Figure:
@@ -42,9 +103,16 @@ def recorded_spectrum(recorded: RecordedRun) -> Figure:
     forcing = recorded.run.speed_asked / RPM
     shown = rpm <= 1.25 * forcing
     axes.semilogy(rpm[shown], amplitude[shown], color=BLUE, linewidth=0.7)
-    axes.axvline(forcing, color=INK, linewidth=0.6, linestyle=':', label='ω')
-    axes.set(xlabel='frequency (RPM)', ylabel='amplitude (rad)')
-    axes.legend(fontsize=8)
+    axes.axvline(forcing, color=INK, linewidth=0.6, linestyle=':')
+    axes.text(forcing, 0.02, ' ω', transform=axes.get_xaxis_transform(), fontsize=8, color=INK)
+    height = float(amplitude.max())
+    try:
+        slow = ESTIMATORS[DEFAULT_ESTIMATOR](recorded.living_swing(), 0.0).value / RPM
+    except AnalysisError:
+        slow = None  # too short to tell
+    if slow is not None:
+        axes.annotate(f'Ω = {slow:.1f} RPM', (slow, height), (slow + 0.05 * forcing, height), fontsize=8, color=INK)
+    axes.set(xlabel='frequency (RPM)', ylabel='amplitude (rad)', ylim=(None, 3.0 * height))
     return figure
 
 

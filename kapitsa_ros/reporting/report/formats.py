@@ -1,0 +1,194 @@
+"""The report as a page of HTML, as Markdown beside its figures, and as PDF."""
+
+from __future__ import annotations
+
+import base64
+import html
+import io
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import matplotlib as mpl
+from jinja2 import Environment, StrictUndefined
+from markdown_it import MarkdownIt
+
+from kapitsa_ros.reporting.report.drawings import drawings_of
+from kapitsa_ros.reporting.report.text import report_text
+from kapitsa_ros.resources import resource_path
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from fpdf import FPDF
+    from fpdf.fonts import FontFace
+
+    from kapitsa_ros.reporting.report.content import Content
+    from kapitsa_ros.reporting.report.drawings import Drawing
+
+_WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
+_FIGURE = re.compile(r'<p><img src="([^"]*)" alt="([^"]*)" ?/?></p>')
+_CAPTIONED = re.compile(r'<p><strong>([^<]*)</strong></p>\s*<table>')
+_BESIDE = 2  # figures in a row on A4
+_GAP = 4.0  # mm between them
+_CAPTION = 14.0  # mm
+_BEFORE_TEXT, _BEFORE_FIGURES = 45.0, 110.0  # mm that a heading needs for itself and what follows it
+_DOTS = 160  # an inch
+
+
+def as_html(content: Content) -> str:
+    """Return one page that asks nothing of any other file or host; the figures' text can be selected."""
+    drawings = drawings_of(content)
+    drawn = {drawing.name: _svg(drawing) for drawing in drawings}
+
+    def figure(found: re.Match[str]) -> str:
+        return f'<figure>{drawn[found[1]]}<figcaption>{found[2]}</figcaption></figure>'
+
+    body = _FIGURE.sub(figure, _with_captions(_to_html(report_text(content, drawings))))
+    environment = Environment(autoescape=False, undefined=StrictUndefined)  # noqa: S701 - the body is HTML already
+    page = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
+    return page.render(body=body)
+
+
+def write_html(content: Content, path: Path) -> None:
+    """Write the page."""
+    path.write_text(as_html(content), encoding='utf-8')
+
+
+def write_markdown(content: Content, path: Path) -> None:
+    """Write the text; its figures are in it, as links to data, so that it is one file."""
+    drawings = drawings_of(content)
+    text = report_text(content, drawings)
+    for drawing in drawings:
+        data = base64.b64encode(_svg(drawing).encode()).decode()
+        text = text.replace(f']({drawing.name})', f'](data:image/svg+xml;base64,{data})')
+    path.write_text(text, encoding='utf-8')
+
+
+def write_pdf(content: Content, path: Path) -> None:
+    """Write pages of A4, their figures as pictures."""
+    from fpdf import FPDF  # noqa: PLC0415  # takes a third of a second
+    from fpdf.fonts import FontFace, TextStyle  # noqa: PLC0415
+
+    drawings = drawings_of(content)
+    pictures = {drawing.name: _png(drawing) for drawing in drawings}
+    pdf = FPDF(format='A4')
+    pdf.set_title("Kapitsa's stable inverted pendulum")
+    fonts = Path(mpl.get_data_path()) / 'fonts' / 'ttf'
+    for style, file in (('', ''), ('B', '-Bold'), ('I', '-Oblique'), ('BI', '-BoldOblique')):
+        pdf.add_font('DejaVu', style, fonts / f'DejaVuSans{file}.ttf')
+    pdf.set_font('DejaVu', size=9)
+    pdf.add_page()
+    heading = FontFace(emphasis='BOLD')
+    styles = {
+        'h1': TextStyle(font_size_pt=16, font_style='B', b_margin=2),
+        'h2': TextStyle(font_size_pt=12, font_style='B', t_margin=4, b_margin=1),
+        'blockquote': TextStyle(color='#004b75', l_margin=5),
+    }
+    waiting: list[tuple[io.BytesIO, float, str]] = []
+    for block in _blocks(_to_html(report_text(content, drawings))):
+        if shown := _FIGURE.fullmatch(block):
+            waiting.append((*pictures[shown[1]], html.unescape(shown[2])))
+            if len(waiting) < _BESIDE:
+                continue
+        if waiting:
+            _add_figures(pdf, waiting)
+            waiting = []
+        if block.startswith('<table>'):
+            _add_table(pdf, block, heading)
+        elif not shown:
+            needed = _BEFORE_FIGURES if block.endswith('</h2>') else _BEFORE_TEXT
+            if block.startswith(('<h2>', '<p><strong>')) and pdf.will_page_break(needed):
+                pdf.add_page()  # a heading stays with what it is of
+            pdf.write_html(block, font_family='DejaVu', tag_styles=styles)
+    pdf.output(str(path))
+
+
+WRITERS: dict[str, Callable[[Content, Path], None]] = {
+    'html': write_html,
+    'md': write_markdown,
+    'pdf': write_pdf,
+}
+"""By the format's name, which is its suffix too."""
+
+
+def _to_html(text: str) -> str:
+    return str(MarkdownIt('commonmark', {'html': False}).enable('table').render(text))
+
+
+def _with_captions(body: str) -> str:
+    body = _CAPTIONED.sub(r'<div class="wide"><table><caption>\1</caption>', body)
+    return body.replace('</table>', '</table></div>')
+
+
+def _blocks(body: str) -> list[str]:
+    """Return headings with what follows, captions, figures and tables of a page, in order."""
+    figures_and_tables = r'(<p><img [^>]*></p>|<table>.*?</table>)'
+    parts = re.split(figures_and_tables + '|(?=<h2>)|(?=<p><strong>)', body, flags=re.DOTALL)
+    return [part.strip() for part in parts if part and part.strip()]
+
+
+def _add_figures(pdf: FPDF, figures: list[tuple[io.BytesIO, float, str]]) -> None:
+    """Add figures side by side, each a picture, its height over its width and a caption, which stands below."""
+    width = (pdf.epw - _GAP * (_BESIDE - 1)) / _BESIDE
+    if pdf.will_page_break(width * max(ratio for _, ratio, _ in figures) + _CAPTION):
+        pdf.add_page()
+    top = lowest = pdf.get_y()
+    pdf.set_font('DejaVu', 'I', 7)
+    for column, (picture, ratio, caption) in enumerate(figures):
+        left = pdf.l_margin + column * (width + _GAP)
+        pdf.image(picture, x=left, y=top, w=width)
+        pdf.set_xy(left, top + width * ratio)
+        pdf.multi_cell(width, h=3.5, text=caption, align='L', new_x='LMARGIN', new_y='NEXT')
+        lowest = max(lowest, pdf.get_y())
+    pdf.set_font('DejaVu', '', 9)
+    pdf.set_xy(pdf.l_margin, lowest + 3.0)
+
+
+def _add_table(pdf: FPDF, block: str, heading: FontFace) -> None:
+    rows = [
+        [
+            html.unescape(re.sub(r'<[^>]*>', '', cell))
+            for cell in re.findall(r'<t[hd][^>]*>(.*?)</t[hd]>', row, re.DOTALL)
+        ]
+        for row in re.findall(r'<tr>(.*?)</tr>', block, re.DOTALL)
+    ]
+    pdf.set_font('DejaVu', '', 7)
+    longest = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
+    widths = tuple(min(max(length, 6), 40) for length in longest)
+    with pdf.table(
+        col_widths=widths,
+        text_align=('LEFT', *['RIGHT'] * (len(widths) - 1)),
+        headings_style=heading,
+        borders_layout='HORIZONTAL_LINES',
+        line_height=4,
+    ) as table:
+        for cells in rows:
+            row = table.row()
+            for cell in cells:
+                row.cell(cell)
+    pdf.set_font('DejaVu', '', 9)
+    pdf.ln(2)
+
+
+def _svg(drawing: Drawing) -> str:
+    """Return the figure's drawing alone, with ids of its own, and no date."""
+    figure = drawing.figure
+    figure.set_size_inches(_WIDTH, _HEIGHT * len(figure.axes))
+    with mpl.rc_context({'svg.hashsalt': drawing.title, 'svg.fonttype': 'none'}):
+        file = io.StringIO()
+        figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})
+    drawn = file.getvalue()
+    label = html.escape(drawing.title, quote=True)
+    return drawn[drawn.index('<svg') :].replace('<svg ', f'<svg role="img" aria-label="{label}" ', 1)
+
+
+def _png(drawing: Drawing) -> tuple[io.BytesIO, float]:
+    """Return a picture of the figure, and its height over its width."""
+    figure = drawing.figure
+    figure.set_size_inches(1.3 * _WIDTH, 1.3 * _HEIGHT * len(figure.axes) * (0.8 if len(figure.axes) > 1 else 1.0))
+    file = io.BytesIO()
+    figure.savefig(file, format='png', dpi=_DOTS)
+    file.seek(0)
+    width, height = figure.get_size_inches()
+    return file, float(height / width)

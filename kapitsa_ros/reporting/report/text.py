@@ -1,0 +1,125 @@
+"""The report's text, in Markdown: the one source of all its formats."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from jinja2 import Environment, StrictUndefined
+
+from kapitsa_ros import __version__
+from kapitsa_ros.analysis.results import budget_values, timing_values
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.reporting.allowances import allowances
+from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
+from kapitsa_ros.reporting.explanation import error_sentences
+from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PERCENT
+from kapitsa_ros.reporting.report_tables import repairs
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.schema import describe
+from kapitsa_ros.units import INCH, RPM, interval_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kapitsa_ros.reporting.report.content import Content
+    from kapitsa_ros.reporting.report.drawings import Drawing
+
+_INSTRUMENTS = {'strobe': StrobeSettings, 'stopwatch': StopwatchSettings}
+_MARKED = str.maketrans({sign: f'\\{sign}' for sign in '\\`*_[]<>|#'})
+
+
+def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
+    """Return the report in Markdown; a figure stands on a line of its own, under its drawing's name."""
+    environment = Environment(  # noqa: S701 - Markdown; what becomes HTML of it is escaped there
+        undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.globals.update(error_sentences=error_sentences)
+    environment.filters.update(
+        rpm=_rpm, inch=_inch, number=_number, ends=_ends, holds=_holds, plain=_plain, sentence=_sentence,
+        budget_rows=budget_rows, budget_sentences=budget_sentences,
+    )  # fmt: skip
+    template = environment.from_string(resource_path('config', 'report', 'report.md').read_text(encoding='utf-8'))
+    timings = [timing_values(row) for row in content.timings]
+    report, settings = Plant(), content.runs[0].run.settings
+    slow = [slow_frequency_exact(report, speed) for speed in content.of_1997.forcing.tolist()]
+    text = template.render(
+        content=content,
+        timings=timings,
+        repairs=repairs({'timings': timings}),
+        allowances=allowances(_interval_values(content)),
+        budget=None if content.budget is None else budget_values(content.budget),
+        budget_headings=HEADINGS,
+        report=report,
+        plant=_items(Plant, asdict(content.plant)),
+        instruments={name: _items(kind, settings[name]['instrument']) for name, kind in _INSTRUMENTS.items()},
+        seed=settings['strobe'].get('seed', 'not recorded'),
+        version=__version__,
+        theory_slow=[f'{(each or 0.0) / RPM:.0f}' for each in slow],
+        read_slow=[f'{each / RPM:.0f}' for each in content.of_1997.slow.tolist()],
+        trials={trial.name: trial for trial in content.trials},
+        as_built_on_bearing=AS_BUILT_ON_BEARING,
+        figures=drawings,
+        rpm_unit=RPM,
+        inch_unit=INCH,
+        target=TARGET_PERCENT,
+    )
+    return text.strip() + '\n'
+
+
+class _Item:
+    """A parameter with its value."""
+
+    def __init__(self, item: Any, value: float) -> None:
+        self.name, self.symbol, self.unit, self.description = item.name, item.symbol, item.unit, item.description
+        self.value = value
+
+
+def _items(kind: type, values: Mapping[str, float]) -> list[_Item]:
+    """Return the parameters of a set that values are given of."""
+    return [_Item(item, values[item.name]) for item in describe(kind) if item.name in values]
+
+
+def _interval_values(content: Content) -> dict[str, Any]:
+    curve = content.curve
+    return {
+        'play_probability': None if curve is None else curve.play_probability,
+        'heavy_damping_probability': None if curve is None else curve.heavy_damping_probability,
+        'assumptions': asdict(content.assumptions),
+    }
+
+
+def _plain(text: str) -> str:
+    """Return a text in which nothing is taken for markup."""
+    return text.translate(_MARKED)
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _rpm(speed: float | None, digits: int = 1) -> str:
+    return 'none' if speed is None or math.isnan(speed) else f'{speed / RPM:.{digits}f}'
+
+
+def _inch(length: float) -> str:
+    return f'{length / INCH:.4g} in'
+
+
+def _number(value: float | None, digits: int = 3) -> str:
+    return '' if value is None else f'{value:.{digits}g}'
+
+
+def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0, digits: int = 4) -> str:
+    if interval is None:
+        return ''
+    return interval_text(interval, lambda end: f'{end / unit:.{digits}g}')
+
+
+def _holds(interval: tuple[float | None, float | None], value: float) -> bool:
+    low, high = interval
+    return (low is None or low <= value) and (high is None or value <= high)
