@@ -10,7 +10,7 @@ from kapitsa_ros._api.inputs import as_assumptions, as_readings
 from kapitsa_ros._api.result import describe, speed_text
 from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.output_file import check_output, replacing
-from kapitsa_ros.recording.naming import repeats
+from kapitsa_ros.recording.naming import repeats, run_folders
 from kapitsa_ros.recording.reader import RunBag
 
 if TYPE_CHECKING:
@@ -53,7 +53,8 @@ def report(
     Parameters
     ----------
     bags
-        Folders of the runs; the readings of one that is given twice count twice, and `.warnings` says so.
+        Folders of the runs, or folders that hold runs; the readings of one that is given twice count twice, and
+        `.warnings` says so.
     output
         The file to write; its folder must be there.
     experiments
@@ -93,7 +94,7 @@ def report(
     if kind not in WRITERS:
         raise OutputError(f'{OPTION}: no format: give one of {", ".join(WRITERS)}', option='format', value=kind)
     progress = on_progress or (lambda _: None)
-    paths = [Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags)]
+    paths = run_folders(Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags))
     trials: dict[str, int] = {} if experiments is None else {'experiments': experiments}
     content = gather(
         [RunBag(path).recorded for path in paths],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import math
+import pathlib
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,7 +20,7 @@ from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.recording.naming import repeats
+from kapitsa_ros.recording.naming import repeats, run_folders
 from kapitsa_ros.schema import describe
 from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_quantity, parse_speed
 
@@ -215,6 +216,17 @@ def budget_option(command: Callable[..., Any]) -> Callable[..., Any]:
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --json; the command gets `as_json`."""
     return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)
+
+
+def bags_argument(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add BAGS, runs or folders of runs; the command gets `bags`, the runs."""
+
+    def expanded(_context: click.Context, _parameter: click.Parameter, bags: tuple[Path, ...]) -> tuple[Path, ...]:
+        return run_folders(bags)
+
+    return click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=pathlib.Path), callback=expanded)(
+        command
+    )
 
 
 def warn_of_repeats(bags: Sequence[Path]) -> None:

@@ -9,6 +9,7 @@ from rich.console import Console
 from kapitsa_ros.cli.options import print_json
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import budget_sentences
+from kapitsa_ros.reporting.conclusion import conclusion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,6 +31,8 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
         console.print(sentence)
     if 'budget' in values:
         show_budget(values['budget'])
+    for sentence in conclusion(values):
+        console.print(sentence)
 
 
 def show_budget(values: Mapping[str, Any]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.errors import OPTION
@@ -9,8 +10,11 @@ from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
+
+METADATA = 'metadata.yaml'
+"""What makes a folder a bag."""
 
 
 def run_name(number: int, speed: float) -> str:
@@ -44,6 +48,23 @@ def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
             raise BagError(
                 f'{path} exists: runs are never overwritten, give another {OPTION} or move it away', option='bags'
             )
+
+
+def run_folders(paths: Iterable[Path]) -> tuple[Path, ...]:
+    """Return the runs that paths lead to: a folder of runs stands for those in it, in the order of their numbers."""
+    found: list[Path] = []
+    for path in paths:
+        try:
+            inside = [] if (path / METADATA).exists() or not path.is_dir() else list(path.iterdir())
+            runs = [each for each in inside if (each / METADATA).is_file()]
+        except OSError:
+            runs = []  # whoever opens it says why it cannot be
+        found += sorted(runs, key=_in_order) or [path]
+    return tuple(found)
+
+
+def _in_order(path: Path) -> list[tuple[int, str]]:
+    return [(int(part) if part.isdigit() else -1, part) for part in re.split(r'(\d+)', path.name)]
 
 
 def repeats(bags: Sequence[Path]) -> tuple[str, ...]:

@@ -89,3 +89,12 @@ def test_a_bag_says_what_is_in_it():
         'last_stamp_s': values['first_stamp_s'] + values['duration_s'],
     }
     assert output(bag, 'info', BAGS[0]).splitlines()[0].split() == ['messages', '939']
+
+
+def test_a_folder_of_runs_is_analysed_as_its_runs_and_ends_with_what_it_means():
+    assert json.loads(output(analyse, str(resource_path('bags')), '--json')) == json.loads(
+        output(analyse, *BAGS, '--json')
+    )
+    text = ' '.join(output(analyse, str(resource_path('bags'))).split())
+    assert 'The critical speed is 1595 RPM by these readings, 1529 to 1623 RPM (95 %).' in text
+    assert 'Theory predicts 1353 RPM for the ideal rod, below that' in text

@@ -18,7 +18,7 @@ from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.naming import refuse_existing, run_name
+from kapitsa_ros.recording.naming import refuse_existing, run_folders, run_name
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.writer import RunWriter
 from kapitsa_ros.units import RPM
@@ -203,3 +203,14 @@ def test_a_bag_is_opened_by_a_text_too_and_says_what_it_is(tmp_path: Path) -> No
     bag = RunBag(str(path))
     assert bag.run.period == 0.5
     assert repr(bag) == f'RunBag({str(path)!r}, {bag.messages} messages)'
+
+
+def test_a_folder_of_runs_stands_for_its_runs_in_their_order(tmp_path):
+    for name in ('run_10_2240rpm', 'run_02_2640rpm', 'no_run'):
+        (tmp_path / name).mkdir()
+    for name in ('run_10_2240rpm', 'run_02_2640rpm'):
+        (tmp_path / name / 'metadata.yaml').touch()
+    runs = (tmp_path / 'run_02_2640rpm', tmp_path / 'run_10_2240rpm')
+    assert run_folders([tmp_path]) == runs
+    assert run_folders([runs[1], tmp_path / 'nowhere']) == (runs[1], tmp_path / 'nowhere')
+    assert run_folders([tmp_path / 'no_run']) == (tmp_path / 'no_run',)

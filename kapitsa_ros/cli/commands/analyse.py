@@ -9,7 +9,7 @@ import click
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.cli.options import assumption_option, budget_option, json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, bags_argument, budget_option, json_option, warn_of_repeats
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.tables import write_timings
 from kapitsa_ros.errors import OPTION
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@bags_argument
 @click.option('--blind/--motion', default=True, show_default=True, help='from the readings, or from θ(t)')
 @click.option(
     '--estimator',

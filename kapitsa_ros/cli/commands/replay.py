@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.cli.options import json_option, rate_option
+from kapitsa_ros.cli.options import bags_argument, json_option, rate_option
 from kapitsa_ros.cli.show_result import show_result
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 
 @click.command()
-@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@bags_argument
 @rate_option
 @json_option
 def replay(*, bags: tuple[Path, ...], rate: float, as_json: bool) -> None:

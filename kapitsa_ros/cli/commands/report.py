@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.cli.options import assumption_option, json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, bags_argument, json_option, warn_of_repeats
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 
 
 @click.command()
-@click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=Path))
+@bags_argument
 @click.option('--output', type=click.Path(path_type=Path, dir_okay=False), required=True, help='the file to write')
 @click.option(
     '--format',
