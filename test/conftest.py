@@ -58,7 +58,13 @@ def kapitsa() -> Callable[..., Answer]:
     def run(*arguments: object, env: dict[str, str] | None = None) -> Answer:
         command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments)]
         done = subprocess.run(
-            command, env=os.environ | (env or {}), capture_output=True, text=True, timeout=120, check=False
+            command,
+            env=os.environ | (env or {}),
+            capture_output=True,
+            text=True,
+            errors='replace',
+            timeout=120,
+            check=False,
         )
         return Answer(done.returncode, done.stdout, done.stderr)
 

@@ -12,6 +12,7 @@ import click
 from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
+from kapitsa_ros.cli.transliteration import write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
 
 
@@ -37,6 +38,7 @@ def kapitsa() -> None:
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     interrupt_on_signals()
+    write_out_unknown_signs()
     try:
         kapitsa.main(prog_name='kapitsa', standalone_mode=False)
     except click.UsageError as error:

@@ -1,6 +1,7 @@
 """`kapitsa analyse` and `kapitsa bag info` on the shipped runs."""
 
 import json
+import re
 
 import pytest
 from click.testing import CliRunner
@@ -8,6 +9,7 @@ from click.testing import CliRunner
 from kapitsa_ros.analysis.slow_frequency import ESTIMATORS
 from kapitsa_ros.cli.commands.analyse import analyse
 from kapitsa_ros.cli.commands.bag import bag
+from kapitsa_ros.cli.transliteration import transliterate
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.errors import UsageError
 
@@ -92,9 +94,30 @@ def test_a_bag_says_what_is_in_it():
 
 
 def test_a_folder_of_runs_is_analysed_as_its_runs_and_ends_with_what_it_means():
-    assert json.loads(output(analyse, str(resource_path('bags')), '--json')) == json.loads(
-        output(analyse, *BAGS, '--json')
-    )
-    text = ' '.join(output(analyse, str(resource_path('bags'))).split())
+    folder = str(resource_path('bags'))
+    assert json.loads(output(analyse, folder, '--json')) == json.loads(output(analyse, *BAGS, '--json'))
+    text = ' '.join(output(analyse, folder).split())
     assert 'The critical speed is 1595 RPM by these readings, 1529 to 1623 RPM (95 %).' in text
     assert 'Theory predicts 1353 RPM for the ideal rod, below that' in text
+
+
+@pytest.mark.parametrize('encoding', ['ascii', 'latin-1'])
+@pytest.mark.parametrize('columns', ['40', '120'])
+def test_terminals_that_are_narrow_or_know_no_greek_lose_nothing(kapitsa, encoding, columns):
+    bags = str(resource_path('bags'))
+    answer = kapitsa('analyse', '--budget', bags, env={'PYTHONIOENCODING': encoding, 'COLUMNS': columns})
+    assert answer.status == 0, answer.err
+    whole = kapitsa('analyse', '--budget', bags, env={'PYTHONIOENCODING': 'utf-8', 'COLUMNS': '160'}).out
+    # a narrow column breaks words, so what stands between them is left out on both sides
+    for number in re.findall(r'\d+\.\d+', whole):
+        assert number in answer.out
+    shown = ''.join(re.findall(r'[a-z]', answer.out.lower()))
+    for words in ('lambda', 'omega', 'thecriticalspeedis', 'estimate'):
+        assert words in shown
+
+
+def test_signs_are_written_out():
+    assert (
+        transliterate('Ω² = k²λ²ω²/2 − kg ± 1 µm, θ′ é 中')
+        == "Omega^2 = k^2lambda^2omega^2/2 - kg +/- 1 mum, theta' e \\u4e2d"
+    )
