@@ -75,6 +75,12 @@ def interval_text(interval: tuple[float | None, float | None], end_text: Callabl
     return ' to '.join('unbounded' if end is None else end_text(end) for end in interval)
 
 
+def is_within(value: float, interval: tuple[float | None, float | None]) -> bool:
+    """Tell whether an interval holds a value; an end that is None is unbounded and excludes nothing."""
+    low, high = interval
+    return (low is None or low <= value) and (high is None or value <= high)
+
+
 def digits_of(u: float) -> int:
     """Return how many decimals a standard uncertainty lets a value have: those of its first two digits (GUM 7.2.6)."""
     if not (math.isfinite(u) and u > 0.0):

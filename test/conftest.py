@@ -61,8 +61,7 @@ def kapitsa() -> Callable[..., Answer]:
             command,
             env=os.environ | (env or {}),
             capture_output=True,
-            text=True,
-            errors='replace',
+            encoding=(env or {}).get('PYTHONIOENCODING', 'utf-8'),
             timeout=120,
             check=False,
         )

@@ -55,6 +55,8 @@ class Reduction:
     """That the pivot has play, by these readings."""
     heavy_damping_probability: float
     """That damping is not light, by these readings."""
+    effective_rods: float
+    """How many rods of its sample the interval rests on."""
     assumptions: Assumptions
     """What was taken for granted."""
     predicted: float
@@ -196,6 +198,7 @@ def reduce(
         discrepancy=best.discrepancy,
         play_probability=best.play_probability,
         heavy_damping_probability=best.heavy_damping_probability,
+        effective_rods=best.effective_rods,
         assumptions=assumed,
         predicted=omega_crit_averaged(rod),
         line=line,

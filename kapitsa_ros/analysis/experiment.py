@@ -55,6 +55,8 @@ class Experiment:
     """That the pivot has play, by these readings."""
     heavy_damping_probability: float | None
     """That damping is not light, by these readings."""
+    effective_rods: float | None
+    """How many rods of its sample the interval rests on."""
     inverse_ols: float | None
     ols: float | None
     predicted: float
@@ -165,6 +167,7 @@ def _reduce(
         discrepancy=None if best is None else best.discrepancy,
         play_probability=None if best is None else best.play_probability,
         heavy_damping_probability=None if best is None else best.heavy_damping_probability,
+        effective_rods=None if best is None else best.effective_rods,
         assumptions=assumptions,
         ruler=ruler,
         timings=tuple(timings),

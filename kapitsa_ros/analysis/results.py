@@ -33,6 +33,7 @@ def experiment_values(experiment: Experiment) -> dict[str, Any]:
         'discrepancy_percent': None if experiment.discrepancy is None else 100.0 * experiment.discrepancy,
         'play_probability': experiment.play_probability,
         'heavy_damping_probability': experiment.heavy_damping_probability,
+        'effective_rods': experiment.effective_rods,
         'assumptions': asdict(experiment.assumptions),
         'inverse_rpm': in_rpm(experiment.inverse_ols),
         'ols_rpm': in_rpm(experiment.ols),

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.physics.plant import Plant
 
+_ALLOWED = ('assumptions', 'play_probability', 'heavy_damping_probability', 'effective_rods')
+
 
 def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> None:
     """Print the runs of a plant and their reduction: one JSON object, or Tables 1 to 3 of the report."""
@@ -27,7 +29,7 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
     console = Console()
     for table in report_tables(values, plant):
         console.print(table)
-    for sentence in [*repairs(values), *allowances(values)]:
+    for sentence in [*repairs(values), *allowances(*(values[name] for name in _ALLOWED))]:
         console.print(sentence)
     if 'budget' in values:
         show_budget(values['budget'])

@@ -17,6 +17,7 @@ from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_of, ruler_o
 from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
+from kapitsa_ros.units import is_within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -42,8 +43,7 @@ class Outcome:
 
     def covers(self, truth: float) -> bool:
         """Whether the interval holds the truth; an end that is unbounded excludes nothing."""
-        low, high = self.interval
-        return (low is None or low <= truth) and (high is None or truth <= high)
+        return is_within(truth, self.interval)
 
 
 @dataclass(frozen=True, kw_only=True)

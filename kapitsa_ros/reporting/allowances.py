@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+_FEW = 20.0  # rods, of which the quantiles of an interval are taken
 
-def allowances(values: Mapping[str, Any]) -> list[str]:
-    """Return what the interval allows for besides the errors of the readings, a sentence each."""
-    if values['play_probability'] is None:
+
+def allowances(
+    assumed: Mapping[str, float],
+    play_probability: float | None,
+    heavy_damping_probability: float | None,
+    effective_rods: float | None,
+) -> list[str]:
+    """Return what the interval allows for besides the errors of the readings, a sentence each; None without any."""
+    if play_probability is None or heavy_damping_probability is None or effective_rods is None:
         return []
-    play, heavy = _in_percent(values['play_probability']), _in_percent(values['heavy_damping_probability'])
-    assumed = values['assumptions']
+    play, heavy = _in_percent(play_probability), _in_percent(heavy_damping_probability)
     allowed = [
         f'{name} up to {factor * assumed[limit]:.3g}{unit}'
         for name, probability, limit, factor, unit in (
@@ -28,7 +34,10 @@ def allowances(values: Mapping[str, Any]) -> list[str]:
         if assumed[name]
     ]
     seen = f'play is {play} probable, and more than light damping {heavy}'
-    return [f'the interval allows for {", ".join(allowed) or "light damping alone"}; by these readings, {seen}']
+    said = [f'the interval allows for {", ".join(allowed) or "light damping alone"}; by these readings, {seen}']
+    if effective_rods < _FEW:
+        said.append(f'few rods of the sample explain readings so exact ({effective_rods:.0f}): its ends are rough')
+    return said
 
 
 def _in_percent(probability: float) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.units import interval_text
+from kapitsa_ros.units import interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,22 +15,19 @@ def conclusion(values: Mapping[str, Any]) -> list[str]:
     if values['omega_crit_rpm'] is None:
         return ['No swing was timed, so there is no critical speed: ask for a higher speed, or let go from closer.']
     low, high = values['omega_crit_interval_rpm']
+    if low is None and high is None:
+        return ['These readings bound the critical speed on neither side: time more swings, at several speeds.']
     interval = interval_text((low, high), '{:.0f}'.format)
     said = [f'The critical speed is {values["omega_crit_rpm"]:.0f} RPM by these readings, {interval} RPM (95 %).']
     predicted = values['predicted_rpm']
-    if low is not None and predicted < low:
-        side = 'below'
-    elif high is not None and predicted > high:
-        side = 'above'
+    if is_within(predicted, (low, high)):
+        said.append(f'The {predicted:.0f} RPM that theory predicts for the ideal rod agree with that.')
     else:
-        side = ''
-    if side:
+        side = 'below' if low is not None and predicted < low else 'above'
         said.append(
             f'Theory predicts {predicted:.0f} RPM for the ideal rod, {side} that: the rod, or the way it was timed, '
             'is not what theory takes it for.'
         )
-    else:
-        said.append(f'The {predicted:.0f} RPM that theory predicts for the ideal rod agree with that.')
     if values['inverse_rpm'] is not None:
         said.append(
             f'The fit of 1997 gives {values["inverse_rpm"]:.0f} RPM; it extrapolates far beyond the readings and '

@@ -8,6 +8,7 @@ from GTC import ureal
 from kapitsa_ros.analysis.critical_speed import Ruler, evidence_of, uncertainty_budget
 from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
+from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.timing_row import TimingRow
 from kapitsa_ros.units import RPM, digits_of
 
@@ -97,3 +98,8 @@ def test_commands_print_the_budget(kapitsa):
     refused = kapitsa('analyse', '--motion', '--budget', 'bags/run_01_2240rpm')
     assert refused.status == 2
     assert 'a budget is of what was read' in refused.err
+
+
+def test_runs_that_contradict_one_another_have_no_budget():
+    with pytest.raises(AnalysisError, match='contradict one another'):
+        uncertainty_budget(timed(0.9, 0.3, 0.9, sigma=0.001), Ruler(amplitude=12.7e-3))

@@ -1,3 +1,4 @@
+from dataclasses import asdict
 from fractions import Fraction
 
 import numpy as np
@@ -14,6 +15,7 @@ from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.units import RPM
 
 SPEEDS = np.array([2240.0, 2640.0, 2780.0]) * RPM
@@ -207,3 +209,10 @@ def test_reading_that_is_merely_wrong_is_left_alone():
     assert find_alias(2506 * RPM, 2500 * RPM, strobe) == 1
     assert find_alias(0.91 * 2500 * RPM, 2500 * RPM, strobe) == 1
     assert find_alias(2700 * RPM, 2500 * RPM, strobe) == 1
+
+
+def test_a_sample_of_few_rods_is_said_to_be_one():
+    assumed = asdict(Assumptions())
+    assert len(allowances(assumed, 0.5, 0.1, 100.0)) == 1
+    assert 'its ends are rough' in allowances(assumed, 0.5, 0.1, 3.0)[1]
+    assert not allowances(assumed, None, None, None)

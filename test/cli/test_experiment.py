@@ -48,7 +48,7 @@ def test_keys_are_those_of_the_contract(recorded: Recorded) -> None:
     assert set(values) == {
         'runs', 'omega_crit_rpm', 'omega_crit_interval_rpm', 'inverse_rpm', 'ols_rpm', 'predicted_rpm',
         'error_percent', 'truth_rpm', 'discrepancy_percent', 'realtime_factor', 'deviation_percent', 'timings',
-        'ruler', 'play_probability', 'heavy_damping_probability', 'assumptions',
+        'ruler', 'play_probability', 'heavy_damping_probability', 'effective_rods', 'assumptions',
         'plant', 'instruments', 'protocol', 'seed', 'version',
     }  # fmt: skip
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):

@@ -9,7 +9,7 @@ from kapitsa_ros.cli.commands.reduce import reduce
 KEYS = {
     'ols_rpm', 'inverse_rpm', 'eiv_rpm', 'eiv_interval_rpm', 'eiv_discrepancy_percent', 'slope_ratio', 'predicted_rpm',
     'error_percent', 'omega_crit_rpm', 'omega_crit_interval_rpm', 'discrepancy_percent', 'play_probability',
-    'heavy_damping_probability', 'assumptions',
+    'heavy_damping_probability', 'effective_rods', 'assumptions',
 }  # fmt: skip
 
 

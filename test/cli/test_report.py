@@ -211,3 +211,8 @@ def test_bag_that_is_none_is_refused_before_anything_is_written(tmp_path):
     result = CliRunner().invoke(report, [str(tmp_path), '--output', str(output)])
     assert isinstance(result.exception, BagError)
     assert not output.exists()
+
+
+def test_the_command_offers_the_formats_that_there_are():
+    (option,) = (each for each in report.params if each.name == 'kind')
+    assert set(option.type.choices) == set(WRITERS)

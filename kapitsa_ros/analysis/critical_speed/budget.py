@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.special import stdtrit
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.critical_speed.measurement_function import Inputs, MeasurementFunction
+from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.physics.plant import G_STANDARD
 from kapitsa_ros.units import RPM
 
@@ -30,7 +32,9 @@ DRAWS = 20_000
 """Of the Monte Carlo evaluation: its standard uncertainty is good to 0.5 %."""
 LINEAR = 0.05
 """Relative difference of u_c from Monte Carlo's up to which the model counts as linear."""
-_EFFECTS = ('play', 'damping', 'coulomb')
+_EFFECTS = {'play': ('play D', 'm'), 'damping': ('damping c', '1/s'), 'coulomb': ('Coulomb friction f', 'rad/s²')}
+"""Name and unit of what the sample of rods tells, by the field."""
+_NAMES = [name for name, _ in _EFFECTS.values()]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,25 +110,29 @@ def uncertainty_budget(
     ------
     NothingTimedError
         No run was timed.
+    AnalysisError
+        The runs contradict one another.
 
     """
     fit = CurveFit(evidence, ruler, gravity, assumptions)
+    if fit.discrepancy is None:
+        raise AnalysisError('the runs contradict one another: they bound nothing, and a budget would say that they do')
     possible = fit.posterior()
-    function = MeasurementFunction(fit, ruler)
+    function = MeasurementFunction(fit)
     base = _expected(evidence, ruler, possible)
-    inputs = _rows(evidence, ruler, assumptions, possible, fit)
+    inputs = _rows(evidence, ruler, assumptions, possible, fit.discrepancy)
     rows = tuple(replace(row, sensitivity=_sensitivity(function, base, row, put)) for row, put in inputs)
     correlations = _correlations(possible)
     by_name = {row.name: row.sensitivity * row.u for row in rows}
     variance = sum(row.contribution**2 for row in rows)
-    variance += 2.0 * sum(r * by_name[_LABELS[one]] * by_name[_LABELS[other]] for one, other, r in correlations)
+    variance += 2.0 * sum(r * by_name[one] * by_name[other] for one, other, r in correlations)
     u = math.sqrt(max(variance, 0.0))
     scatter = sum(row.contribution**4 / row.freedom for row in rows)
     drawn = function(_drawn(base, inputs, possible))
     low, high = np.quantile(drawn, (0.025, 0.975)).tolist()
     return Budget(
         rows=rows,
-        correlations=tuple((_LABELS[one], _LABELS[other], r) for one, other, r in correlations),
+        correlations=tuple(correlations),
         value=float(function(base)[0]),
         u=u,
         freedom=u**4 / scatter if scatter else math.inf,
@@ -135,8 +143,6 @@ def uncertainty_budget(
     )
 
 
-_LABELS = {'play': 'play D', 'damping': 'damping c', 'coulomb': 'Coulomb friction f'}
-_UNITS = {'play': 'm', 'damping': '1/s', 'coulomb': 'rad/s²'}
 _Put: TypeAlias = 'Callable[[Inputs, Array], Inputs]'
 
 
@@ -155,7 +161,7 @@ def _expected(evidence: Evidence, ruler: Ruler, possible: Posterior) -> Inputs:
 
 
 def _rows(
-    evidence: Evidence, ruler: Ruler, assumptions: Assumptions, possible: Posterior, fit: CurveFit
+    evidence: Evidence, ruler: Ruler, assumptions: Assumptions, possible: Posterior, scatter: float
 ) -> list[tuple[BudgetRow, _Put]]:
     """Return each input, its sensitivity not yet known, and how values are put in its place."""
     timed = evidence.timed
@@ -169,19 +175,19 @@ def _rows(
             (_type_b(f'speed ω {at}', forcing, 'rad/s', of_speed), _in_column('forcing', index)),
         ]
     rows.append((_type_b('amplitude λ by the ruler', ruler.amplitude, 'm', ruler.sigma), _in_field('amplitude')))
-    for name in _EFFECTS:
-        values = getattr(possible.rods, name)
+    for field, (name, unit) in _EFFECTS.items():
+        values = getattr(possible.rods, field)
         mean = float(possible.rod_weight @ values)
         u = math.sqrt(float(possible.rod_weight @ (values - mean) ** 2))
-        row = replace(_type_b(_LABELS[name], mean, _UNITS[name], u), distribution='prior and readings')
-        rows.append((row, _in_field(name)))
+        row = replace(_type_b(name, mean, unit, u), distribution='prior and readings')
+        rows.append((row, _in_field(field)))
     rate, dial = assumptions.stopwatch_rate_u, assumptions.dial_u
     rows.append((_type_b('rate of the stopwatch', 0.0, '', rate), _in_field('stopwatch_rate')))
     rows.append((_type_b('calibration of the dial', 0.0, '', dial), _in_field('dial')))
     freedom = max(timed.period.size - 1, 1)
     for index in range(timed.period.size):
         name = f'scatter beyond the stated errors at {timed.forcing[index] / RPM:.0f} RPM'
-        row = replace(_type_b(name, 0.0, '', fit.discrepancy or 0.0), kind='A', freedom=freedom)
+        row = replace(_type_b(name, 0.0, '', scatter), kind='A', freedom=freedom)
         rows.append((row, _in_column('of_periods', index)))
     return [(row, put) for row, put in rows if row.u > 0.0]
 
@@ -210,7 +216,7 @@ def _repeated(inputs: Inputs, times: int) -> Inputs:
 def _sensitivity(function: MeasurementFunction, base: Inputs, row: BudgetRow, put: _Put) -> float:
     """Return half the change from one standard uncertainty below to one above, but not below what an input can be."""
     low = row.value - row.u
-    if row.name in _LABELS.values():
+    if row.name in _NAMES:
         low = max(low, 0.0)
     high = row.value + row.u
     below, above = function(put(_repeated(base, 2), np.array([low, high]))).tolist()
@@ -219,13 +225,12 @@ def _sensitivity(function: MeasurementFunction, base: Inputs, row: BudgetRow, pu
 
 def _correlations(possible: Posterior) -> list[tuple[str, str, float]]:
     found = []
-    for index, one in enumerate(_EFFECTS):
-        for other in _EFFECTS[index + 1 :]:
-            values = np.stack([getattr(possible.rods, name) for name in (one, other)])
-            covariance = np.cov(values, aweights=possible.rod_weight)
-            scale = math.sqrt(covariance[0, 0] * covariance[1, 1])
-            if scale > 0.0:
-                found.append((one, other, float(covariance[0, 1]) / scale))
+    for (one, (name, _)), (other, (other_name, _)) in combinations(_EFFECTS.items(), 2):
+        values = np.stack([getattr(possible.rods, field) for field in (one, other)])
+        covariance = np.cov(values, aweights=possible.rod_weight)
+        scale = math.sqrt(covariance[0, 0] * covariance[1, 1])
+        if scale > 0.0:
+            found.append((name, other_name, float(covariance[0, 1]) / scale))
     return found
 
 
@@ -234,7 +239,7 @@ def _drawn(base: Inputs, rows: list[tuple[BudgetRow, _Put]], possible: Posterior
     generator = np.random.Generator(np.random.PCG64(1))
     inputs = _repeated(base, DRAWS)
     for row, put in rows:
-        if row.name not in _LABELS.values():
+        if row.name not in _NAMES:
             inputs = put(inputs, row.value + row.u * generator.standard_normal(DRAWS))
     chosen = generator.choice(possible.rod_weight.size, DRAWS, p=possible.rod_weight)
     return replace(inputs, **{name: getattr(possible.rods, name)[chosen] for name in _EFFECTS})

@@ -52,6 +52,8 @@ class CriticalSpeed:
     """That the pivot has play, by these readings."""
     heavy_damping_probability: float
     """That damping is not light, by these readings."""
+    effective_rods: float
+    """How many rods of the sample the interval rests on."""
     discrepancy: float | None = 0.0
     """Relative error of the periods beyond the stated ones, by which the runs agree; None where none makes them."""
 
@@ -80,9 +82,10 @@ class CurveFit:
             raise NothingTimedError('no swing was timed in any run: time one')
         self._ruler = ruler
         self._assumptions = assumptions
-        self._amplitude_sigma = ruler.amplitude * math.hypot(
+        self.amplitude_sigma = ruler.amplitude * math.hypot(
             ruler.sigma / ruler.amplitude, assumptions.stopwatch_rate_u, assumptions.dial_u
         )
+        """Of the amplitude as swings show it, the errors of stopwatch and dial included, m."""
         self._likelihood = Likelihood(evidence, gravity)
         self._freedom = max(evidence.timed.period.size - 1, 1)
         self._coulomb = 0.0
@@ -126,7 +129,7 @@ class CurveFit:
         """Return the best fit with the interval of a posterior."""
         threshold, amplitude, damping = self._best.tolist()
         plant = self._likelihood.plant(threshold, amplitude, 0.0)
-        dial = (amplitude - self._ruler.amplitude) / self._amplitude_sigma**2 * self._ruler.amplitude
+        dial = (amplitude - self._ruler.amplitude) / self.amplitude_sigma**2 * self._ruler.amplitude
         exact = math.hypot(omega_crit_exact(plant), damping) * (1.0 + dial * self._assumptions.dial_u**2)
         return CriticalSpeed(
             omega_crit=exact,
@@ -136,6 +139,7 @@ class CurveFit:
             chi_squared=self.chi_squared,
             play_probability=possible.play_probability,
             heavy_damping_probability=possible.heavy_damping_probability,
+            effective_rods=possible.effective,
             discrepancy=self.discrepancy,
         )
 
@@ -181,7 +185,7 @@ class CurveFit:
             self._likelihood.plant(threshold, amplitude, 0.0)
         except PhysicsError:
             return np.full(evidence.timed.period.size + len(evidence.fell) + len(evidence.stood) + 2, _NO_ROD)
-        known = ((amplitude - self._ruler.amplitude) / self._amplitude_sigma, damping / self._assumptions.light_damping)
+        known = ((amplitude - self._ruler.amplitude) / self.amplitude_sigma, damping / self._assumptions.light_damping)
         return np.concatenate((self._likelihood.residuals(threshold, amplitude, damping, self._coulomb), known))
 
     def _minimise(self, start: NDArray[np.float64]) -> OptimizeResult:

@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.posterior import swell
+from kapitsa_ros.physics.theory.play import play_amplitude_ratio
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 
     Array = NDArray[np.float64]
 
@@ -52,17 +51,17 @@ class MeasurementFunction:
     which it fits or leaves out, are inputs here.
     """
 
-    def __init__(self, fit: CurveFit, ruler: Ruler) -> None:
+    def __init__(self, fit: CurveFit) -> None:
         self._likelihood = fit.likelihood
         self._start = fit.best
         threshold, amplitude, damping = (np.array([value]) for value in fit.best)
         _, doubt = fit.likelihood.model.periods(threshold, amplitude, damping, np.zeros(1))
         self._sigma = fit.likelihood.sigma(threshold, amplitude, doubt)[0]
-        self._amplitude_sigma = ruler.sigma
+        self._amplitude_sigma = fit.amplitude_sigma
 
     def __call__(self, inputs: Inputs) -> Array:
         """Return the exact critical speed, rad/s, shape (M,)."""
-        seen = swell(inputs.play / inputs.amplitude) * inputs.amplitude
+        seen = play_amplitude_ratio(inputs.play / inputs.amplitude) * inputs.amplitude
         period = inputs.period * (1.0 - inputs.of_periods) / (1.0 + inputs.stopwatch_rate[:, None])
         forcing = inputs.forcing / (1.0 + inputs.dial[:, None])
         threshold, amplitude = np.full(seen.shape, self._start[0]), seen.copy()

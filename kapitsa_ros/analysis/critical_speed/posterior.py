@@ -16,6 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import gammaincinv, gammaln, ndtr, ndtri
 
+from kapitsa_ros.physics.theory.play import play_amplitude_ratio
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -29,7 +31,7 @@ _RODS = 512
 _DIMENSIONS = 5  # the ruler's error, play, damping, friction, the dial's error: standard normal each
 _TAILS = 4.0  # degrees of freedom of the proposal
 _ENOUGH, _WORTH = 100.0, 60.0  # rods that count: in the end, and for the next proposal
-_MOST_ROUNDS = 12
+_MOST_ROUNDS = 48  # most readings take fewer than six
 _STEPS = 4  # of Gauss and Newton, to the best threshold of each rod
 _AROUND = 16  # thresholds that are tried for each rod
 _WIDER = 1.2  # so that skewed likelihoods are reached too
@@ -60,8 +62,8 @@ class Posterior:
     """Exact critical speed, rad/s, shape (S,), ascending."""
     weight: Array
     """Of each, shape (S,); they add up to 1."""
-    log_evidence: float
-    """Logarithm of the probability of the evidence, up to a constant of the number of timings."""
+    effective: float
+    """How many of the rods count (Kish)."""
     play_probability: float
     """That the pivot has play."""
     heavy_damping_probability: float
@@ -132,7 +134,7 @@ def posterior(
     return Posterior(
         threshold=exact[order],
         weight=weight.ravel()[order],
-        log_evidence=total - math.log(weight.size),
+        effective=_effective(of_rod),
         play_probability=float(each @ (rods.play > 0.0)),
         heavy_damping_probability=float(each @ (rods.damping > 3.0 * assumptions.light_damping)),
         rods=rods,
@@ -178,7 +180,7 @@ class _Prior:
         play, dial = self._play(normal), self._dial(normal)
         ruled = np.maximum(self._amplitude + self._sigma * normal[:, 0], 0.05 * self._amplitude)
         z = normal.copy()
-        z[:, 0] = (ruled * swell(play / ruled) / (1.0 + dial) - self._amplitude) / self._sigma
+        z[:, 0] = (ruled * play_amplitude_ratio(play / ruled) / (1.0 + dial) - self._amplitude) / self._sigma
         return z
 
     def rods(self, z: Array) -> Rods:
@@ -202,7 +204,7 @@ class _Prior:
         play, with_dial = self._play(z), shown * (1.0 + self._dial(z))
         ruled = with_dial
         for _ in range(4):
-            ruled = with_dial / swell(play / ruled)
+            ruled = with_dial / play_amplitude_ratio(play / ruled)
         error = (ruled - self._amplitude) / self._sigma
         return np.asarray(-0.5 * error**2 - 0.5 * np.sum(z[:, 1:] ** 2, axis=1))
 
@@ -221,21 +223,6 @@ def _alternative(z: Array, probability: float) -> tuple[NDArray[np.bool_], Array
     with np.errstate(divide='ignore', invalid='ignore'):
         share = np.where(second, (level - 1.0 + probability) / probability, level / (1.0 - probability))
     return second, np.clip(np.nan_to_num(share), 0.0, 1.0)
-
-
-def swell(ratio: Array) -> Array:
-    """Return λ_eff/λ of the harmonic motion that holds a rod up as a hole with a play of D = `ratio` · λ does.
-
-    Between strokes the hole flies on at the pin's fastest, over an angle α of the crank with α − sin α = D/λ, and
-    ⟨y′²⟩ is what holds the rod up: λ_eff² = λ² (1 + (2/π)(α/2 − sin 2α/4)), for plastic impacts and λω² ≫ g. To first
-    order λ_eff = λ + (2/π) D; at a play of 2 mm the threshold is good to 0.1 %.
-    """
-    ratio = np.minimum(ratio, 1.0)
-    angle = np.cbrt(6.0 * ratio)
-    for _ in range(4):
-        slope = np.maximum(1.0 - np.cos(angle), 1e-12)
-        angle = np.where(ratio > 0.0, angle - (angle - np.sin(angle) - ratio) / slope, 0.0)
-    return np.sqrt(1.0 + 2.0 / math.pi * (0.5 * angle - 0.25 * np.sin(2.0 * angle)))
 
 
 def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Array) -> tuple[Array, Array]:

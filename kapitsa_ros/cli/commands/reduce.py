@@ -64,6 +64,7 @@ def reduce(
                 'omega_crit_interval_rpm': list(curve),
                 'play_probability': found.play_probability,
                 'heavy_damping_probability': found.heavy_damping_probability,
+                'effective_rods': found.effective_rods,
                 'assumptions': asdict(found.assumptions),
                 'discrepancy_percent': None if found.discrepancy is None else 100.0 * found.discrepancy,
                 'ols_rpm': in_rpm(found.ols),
@@ -88,7 +89,9 @@ def reduce(
         click.echo(f'slope over theory        {found.slope_ratio:.4f}')
     if found.error_percent is not None:
         click.echo(f'error of the inverse fit {found.error_percent:+.1f} %')
-    for sentence in allowances({**vars(found), 'assumptions': asdict(found.assumptions)}):
+    assumed = asdict(found.assumptions)
+    seen = found.play_probability, found.heavy_damping_probability, found.effective_rods
+    for sentence in allowances(assumed, *seen):
         click.echo(sentence)
     if budget is not None:
         show_budget(budget)

@@ -130,7 +130,8 @@ def gather(
     evidence, ruler = evidence_of(rows), ruler_of(blind[0])
     on_progress('fitting the readings')
     curve = direct_fit(evidence, ruler, nominal.gravity, assumptions) if evidence.timed.period.size else None
-    budget = None if curve is None else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions)
+    has_budget = curve is not None and curve.discrepancy is not None
+    budget = None if not has_budget else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions)
     on_progress('trying causes')
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.unique(evidence.timed.forcing).size > 1:

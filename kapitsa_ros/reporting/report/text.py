@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from jinja2 import Environment, StrictUndefined
 
@@ -13,7 +13,8 @@ from kapitsa_ros.analysis.results import budget_values, timing_values
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
 from kapitsa_ros.reporting.explanation import error_sentences
@@ -21,13 +22,15 @@ from kapitsa_ros.reporting.report.content import AS_BUILT_ON_BEARING, TARGET_PER
 from kapitsa_ros.reporting.report_tables import repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
-from kapitsa_ros.units import INCH, RPM, interval_text
+from kapitsa_ros.units import INCH, RPM, interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kapitsa_ros.network.run import Run
     from kapitsa_ros.reporting.report.content import Content
     from kapitsa_ros.reporting.report.drawings import Drawing
+    from kapitsa_ros.schema import Quantity
 
 _INSTRUMENTS = {'strobe': StrobeSettings, 'stopwatch': StopwatchSettings}
 _MARKED = str.maketrans({sign: f'\\{sign}' for sign in '\\`*_[]<>|#'})
@@ -38,32 +41,39 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     environment = Environment(  # noqa: S701 - Markdown; what becomes HTML of it is escaped there
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.globals.update(error_sentences=error_sentences)
+    environment.globals.update(error_sentences=error_sentences, is_within=is_within)
     environment.filters.update(
-        rpm=_rpm, inch=_inch, number=_number, ends=_ends, holds=_holds, plain=_plain, sentence=_sentence,
+        rpm=_rpm, inch=_inch, number=_number, ends=_ends, plain=_plain, sentence=_sentence,
         budget_rows=budget_rows, budget_sentences=budget_sentences,
     )  # fmt: skip
     template = environment.from_string(resource_path('config', 'report', 'report.md').read_text(encoding='utf-8'))
     timings = [timing_values(row) for row in content.timings]
-    report, settings = Plant(), content.runs[0].run.settings
+    report, curve = Plant(), content.curve
     slow = [slow_frequency_exact(report, speed) for speed in content.of_1997.forcing.tolist()]
     text = template.render(
         content=content,
         timings=timings,
         repairs=repairs({'timings': timings}),
-        allowances=allowances(_interval_values(content)),
+        allowances=allowances(
+            asdict(content.assumptions),
+            curve.play_probability if curve else None,
+            curve.heavy_damping_probability if curve else None,
+            curve.effective_rods if curve else None,
+        ),
         budget=None if content.budget is None else budget_values(content.budget),
         budget_headings=HEADINGS,
         report=report,
         plant=_items(Plant, asdict(content.plant)),
-        instruments={name: _items(kind, settings[name]['instrument']) for name, kind in _INSTRUMENTS.items()},
-        seed=settings['strobe'].get('seed', 'not recorded'),
+        instruments=_instruments(content.runs[0].run),
+        seeds=list(dict.fromkeys(run.run.settings['strobe'].get('seed', 'not recorded') for run in content.runs)),
+        instruments_differ=len({repr(_instruments(run.run)) for run in content.runs}) > 1,
         version=__version__,
         theory_slow=[f'{(each or 0.0) / RPM:.0f}' for each in slow],
         read_slow=[f'{each / RPM:.0f}' for each in content.of_1997.slow.tolist()],
         trials={trial.name: trial for trial in content.trials},
         as_built_on_bearing=AS_BUILT_ON_BEARING,
         figures=drawings,
+        exact_over_averaged=omega_crit_exact(report) / omega_crit_averaged(report),
         rpm_unit=RPM,
         inch_unit=INCH,
         target=TARGET_PERCENT,
@@ -71,26 +81,13 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     return text.strip() + '\n'
 
 
-class _Item:
-    """A parameter with its value."""
-
-    def __init__(self, item: Any, value: float) -> None:
-        self.name, self.symbol, self.unit, self.description = item.name, item.symbol, item.unit, item.description
-        self.value = value
+def _instruments(run: Run) -> dict[str, list[tuple[Quantity, float]]]:
+    return {name: _items(kind, run.settings[name]['instrument']) for name, kind in _INSTRUMENTS.items()}
 
 
-def _items(kind: type, values: Mapping[str, float]) -> list[_Item]:
-    """Return the parameters of a set that values are given of."""
-    return [_Item(item, values[item.name]) for item in describe(kind) if item.name in values]
-
-
-def _interval_values(content: Content) -> dict[str, Any]:
-    curve = content.curve
-    return {
-        'play_probability': None if curve is None else curve.play_probability,
-        'heavy_damping_probability': None if curve is None else curve.heavy_damping_probability,
-        'assumptions': asdict(content.assumptions),
-    }
+def _items(kind: type, values: Mapping[str, float]) -> list[tuple[Quantity, float]]:
+    """Return the parameters of a set that values are given of, and the values."""
+    return [(item, values[item.name]) for item in describe(kind) if item.name in values]
 
 
 def _plain(text: str) -> str:
@@ -118,8 +115,3 @@ def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0,
     if interval is None:
         return ''
     return interval_text(interval, lambda end: f'{end / unit:.{digits}g}')
-
-
-def _holds(interval: tuple[float | None, float | None], value: float) -> bool:
-    low, high = interval
-    return (low is None or low <= value) and (high is None or value <= high)
