@@ -11,12 +11,12 @@ from kapitsa_ros._api.inputs import as_assumptions, as_plant, as_readings, as_ti
 from kapitsa_ros._api.result import describe, figures, interval_text, speed_text
 from kapitsa_ros.analysis.critical_speed import (
     Ruler,
-    direct_fit,
     errors_in_variables,
-    evidence_of,
+    fit_timings,
     uncertainty_budget,
 )
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+from kapitsa_ros.analysis.errors import NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
 from kapitsa_ros.data_frame import data_frame
@@ -76,7 +76,7 @@ class Reduction:
     line: LineFit | None = None
     """The line of `inverse_ols`; None where all readings are at one speed."""
     of_table: tuple[str, ...] = ()
-    """What in the table was not read."""
+    """What in the table was not read, or taken for a mistake."""
 
     @property
     def error_percent(self) -> float | None:
@@ -173,10 +173,14 @@ def reduce(
     """
     table, rod = as_timings(readings), as_plant(plant)
     ruler = Ruler(amplitude=rod.amplitude, sigma=to_si('amplitude_sigma', amplitude_sigma, 'm'))
-    evidence = evidence_of(table.rows)
+    assumed = as_assumptions(assumptions)
+    found = fit_timings(table.rows, ruler, rod.gravity, assumed)
+    if found.best is None:
+        raise NothingTimedError
+    best, evidence = found.best, found.evidence
     timed, line = evidence.timed, None
     of_lines: dict[str, Any] = {}
-    if not timed.period.size or np.ptp(timed.forcing) > 0.0:
+    if np.ptp(timed.forcing) > 0.0:
         forward, line, weighed = fit_ols(timed), fit_inverse_ols(timed), errors_in_variables(timed)
         of_lines = {
             'ols': forward.omega_crit,
@@ -186,8 +190,6 @@ def reduce(
             'eiv_discrepancy': weighed.discrepancy,
             'slope_ratio': ratio_to_theory(forward, rod),
         }
-    assumed = as_assumptions(assumptions)
-    best = direct_fit(evidence, ruler, rod.gravity, assumed)
     return Reduction(
         readings=timed,
         evidence=evidence,
@@ -202,7 +204,7 @@ def reduce(
         assumptions=assumed,
         predicted=omega_crit_averaged(rod),
         line=line,
-        of_table=table.warnings,
+        of_table=(*table.warnings, *filter(None, (row.miscount for row in found.rows))),
         **of_lines,
     )
 

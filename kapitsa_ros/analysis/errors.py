@@ -13,3 +13,6 @@ class TableError(AnalysisError):
 
 class NothingTimedError(AnalysisError):
     """No run was timed, so there is no critical speed: a value that does not exist, not a mistake."""
+
+    def __init__(self) -> None:
+        super().__init__('no swing was timed in any run: time one')

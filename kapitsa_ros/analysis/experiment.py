@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.analysis.critical_speed import (
     direct_fit,
     evidence_from_motion,
-    evidence_of,
+    fit_timings,
     ruler_of,
     uncertainty_budget,
 )
@@ -25,7 +25,7 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import Budget, Evidence, Ruler
+    from kapitsa_ros.analysis.critical_speed import Budget, CriticalSpeed, Evidence, Ruler
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
@@ -84,9 +84,9 @@ def reduce_runs(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTI
         There are no runs, or they are of different plants.
 
     """
-    plant = plant_of(runs)
-    rows = timing_rows(runs, assumptions.dial_u)
-    return _reduce(plant, evidence_of(rows), ruler_of(runs[0]), rows, assumptions)
+    plant, ruler = plant_of(runs), ruler_of(runs[0])
+    found = fit_timings(timing_rows(runs, assumptions.dial_u), ruler, plant.gravity, assumptions)
+    return _experiment(plant, found.best, found.evidence, ruler=ruler, timings=found.rows, assumptions=assumptions)
 
 
 def budget_of(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> Budget:
@@ -100,9 +100,9 @@ def budget_of(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTION
         No run was timed.
 
     """
-    plant = plant_of(runs)
-    evidence = evidence_of(timing_rows(runs, assumptions.dial_u))
-    return uncertainty_budget(evidence, ruler_of(runs[0]), plant.gravity, assumptions)
+    plant, ruler = plant_of(runs), ruler_of(runs[0])
+    found = fit_timings(timing_rows(runs, assumptions.dial_u), ruler, plant.gravity, assumptions)
+    return uncertainty_budget(found.evidence, ruler, plant.gravity, assumptions)
 
 
 def reduce_motions(
@@ -129,7 +129,12 @@ def reduce_motions(
     """
     plant = plant_of([each.run for each in recorded])
     evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
-    return _reduce(plant, evidence, ruler_of(recorded[0].run), (), assumptions), evidence.timed
+    ruler = ruler_of(recorded[0].run)
+    try:
+        best = direct_fit(evidence, ruler, plant.gravity, assumptions)
+    except NothingTimedError:
+        best = None  # no run swung
+    return _experiment(plant, best, evidence, ruler=ruler, timings=(), assumptions=assumptions), evidence.timed
 
 
 def plant_of(runs: Sequence[Run]) -> Plant:
@@ -154,13 +159,15 @@ def ideal_rod(plant: Plant) -> Plant:
     return type(plant)(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)
 
 
-def _reduce(
-    plant: Plant, evidence: Evidence, ruler: Ruler, timings: Sequence[TimingRow], assumptions: Assumptions
+def _experiment(
+    plant: Plant,
+    best: CriticalSpeed | None,
+    evidence: Evidence,
+    *,
+    ruler: Ruler,
+    timings: Sequence[TimingRow],
+    assumptions: Assumptions,
 ) -> Experiment:
-    try:
-        best = direct_fit(evidence, ruler, plant.gravity, assumptions)
-    except NothingTimedError:
-        best = None  # no run gave readings
     return Experiment(
         omega_crit=None if best is None else best.omega_crit,
         interval=None if best is None else best.interval,

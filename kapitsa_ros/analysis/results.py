@@ -91,6 +91,9 @@ def timing_values(row: TimingRow) -> dict[str, Any]:
         'kind': row.kind,
         'display_s': row.displayed,
         'swings': row.swings,
+        'swings_taken': row.swings_taken,
+        'miscount_probability': row.miscount_probability,
+        'miscount': row.miscount,
         'time_s': row.time,
         'unused': row.unused,
     }

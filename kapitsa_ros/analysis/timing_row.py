@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.network.timing import Kind, Timing
 
+_DOUBTFUL = 0.05  # probability of a miscount from which it is said
 _Settings = TypeVar('_Settings', StrobeSettings, StopwatchSettings)
 
 
@@ -46,6 +47,10 @@ class TimingRow:
     """θ, rad."""
     swings: int | None = None
     """Full swings, as counted."""
+    swings_taken: int | None = None
+    """What `period` is taken from, where that is not `swings`: the other readings make it probable."""
+    miscount_probability: float = 0.0
+    """That `swings` is wrong, by the other readings."""
     displayed: float | None = None
     """On the stopwatch, s."""
     time: float | None = None
@@ -54,6 +59,17 @@ class TimingRow:
     """Number of the run; None for a row that shares its reading of the dial with no other."""
     unused: str | None = None
     """Why nothing is concluded from it; None where it counts."""
+
+    @property
+    def miscount(self) -> str | None:
+        """Say that the swings were, or may have been, counted wrong; None where that is improbable."""
+        where = '' if self.run is None else f'run {self.run}: '
+        if self.swings_taken is not None:
+            return f'{where}{self.swings} swings counted, taken as {self.swings_taken}, by the other readings'
+        if self.miscount_probability > _DOUBTFUL:
+            wrong = f'{100.0 * self.miscount_probability:.0f} %'
+            return f'{where}{self.swings} swings counted; {wrong} probable to be wrong: the interval allows for it'
+        return None
 
 
 def timing_rows(runs: Sequence[Run], dial_u: float = 0.0) -> list[TimingRow]:

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed import direct_fit, evidence_of, ruler_of
-from kapitsa_ros.analysis.errors import AnalysisError, NothingTimedError
+from kapitsa_ros.analysis.critical_speed import fit_timings, ruler_of
+from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.units import is_within
@@ -22,7 +22,7 @@ from kapitsa_ros.units import is_within
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
-    from kapitsa_ros.analysis.critical_speed import CriticalSpeed, Evidence
+    from kapitsa_ros.analysis.critical_speed import Evidence
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
@@ -67,11 +67,8 @@ def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
     begin = time.process_time()
     seeded = replace(experiment, seed=seed)
     runs = seeded.runs()
-    evidence = evidence_of(timing_rows(runs))
-    try:
-        fit: CriticalSpeed | None = direct_fit(evidence, ruler_of(runs[0]), experiment.plant.gravity)
-    except NothingTimedError:
-        fit = None  # nothing was timed
+    found = fit_timings(timing_rows(runs), ruler_of(runs[0]), experiment.plant.gravity)
+    fit, evidence = found.best, found.evidence
     return Outcome(
         seed=seed,
         omega_crit=fit.omega_crit if fit else None,

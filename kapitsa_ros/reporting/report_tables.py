@@ -106,6 +106,8 @@ def repairs(values: Mapping[str, Any]) -> list[str]:
                 f'taken as {timing["speed_taken_rpm"]:.1f} RPM: alias {timing["alias"]} '
                 f'({timing["speed_asked_rpm"]:.0f} RPM was asked for)'
             )
+        if timing['miscount'] is not None:
+            said.append(timing['miscount'])
     return list(dict.fromkeys(said))
 
 

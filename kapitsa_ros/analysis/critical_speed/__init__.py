@@ -6,6 +6,7 @@ from kapitsa_ros.analysis.critical_speed.errors_in_variables import LineFit, err
 from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence, evidence_of
 from kapitsa_ros.analysis.critical_speed.from_motion import evidence_from_motion
 from kapitsa_ros.analysis.critical_speed.ruler import Ruler, ruler_of
+from kapitsa_ros.analysis.critical_speed.timings_fit import TimingsFit, fit_timings
 
 __all__ = [
     'Bound',
@@ -14,10 +15,12 @@ __all__ = [
     'Evidence',
     'LineFit',
     'Ruler',
+    'TimingsFit',
     'direct_fit',
     'errors_in_variables',
     'evidence_from_motion',
     'evidence_of',
+    'fit_timings',
     'ruler_of',
     'uncertainty_budget',
 ]

@@ -37,6 +37,9 @@ class Assumptions(ParameterSet):
     coulomb_scale: float = quantity(
         1.0, 'rad/s²', 0.0, 100.0, above=True, description='scale of Coulomb friction, where there is any (half-Cauchy)'
     )
+    miscount_probability: float = quantity(
+        0.02, '', 0.0, 0.5, description='that the swings of a timing were counted one wrong'
+    )
     stopwatch_rate_u: float = quantity(
         0.0, '', 0.0, 0.3, description="standard uncertainty of the stopwatch's rate (normal)"
     )

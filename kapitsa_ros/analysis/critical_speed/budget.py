@@ -115,6 +115,7 @@ def uncertainty_budget(
 
     """
     fit = CurveFit(evidence, ruler, gravity, assumptions)
+    fit.reconcile()
     if fit.discrepancy is None:
         raise AnalysisError('the runs contradict one another: they bound nothing, and a budget would say that they do')
     possible = fit.posterior()

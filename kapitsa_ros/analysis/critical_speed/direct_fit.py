@@ -66,9 +66,9 @@ class CurveFit:
     narrows while it is timed. Errors of the speed count by their effect on the period (effective variance).
 
     Where χ² is improbably large, something is at work that the curve does not know, and the stated errors alone would
-    give an interval too narrow. Then all periods get a further relative error, just large enough for χ² to be what it
-    should (see `excess_scatter`), and the interval Student's quantile, as that error is known from few runs. Runs that
-    no such error reconciles contradict one another: their interval is unbounded.
+    give an interval too narrow. Then `reconcile` gives all periods a further relative error, just large enough for χ²
+    to be what it should (see `excess_scatter`), and the interval Student's quantile, as that error is known from few
+    runs. Runs that no such error reconciles contradict one another: their interval is unbounded.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class CurveFit:
 
     def __init__(self, evidence: Evidence, ruler: Ruler, gravity: float, assumptions: Assumptions) -> None:
         if not evidence.timed.period.size:
-            raise NothingTimedError('no swing was timed in any run: time one')
+            raise NothingTimedError
         self._ruler = ruler
         self._assumptions = assumptions
         self.amplitude_sigma = ruler.amplitude * math.hypot(
@@ -99,17 +99,27 @@ class CurveFit:
         """At the best fit with the errors stated."""
         self.discrepancy: float | None = 0.0
         """Relative error of the periods beyond the stated ones; None where none makes the runs agree."""
-        if improbable(self.chi_squared, self._freedom):
-
-            def with_discrepancy(error: float) -> float:
-                self._likelihood.discrepancy = error
-                return 2.0 * float(self._fitted().cost)
-
-            self.discrepancy = excess_scatter(with_discrepancy, self._freedom)
-            self._likelihood.discrepancy = self.discrepancy or 0.0
-            found = self._fitted()
         self._best: NDArray[np.float64] = found.x
         self._sigma = _sigma(found)
+
+    @property
+    def is_improbable(self) -> bool:
+        """Whether χ² is too large for the errors stated."""
+        return improbable(self.chi_squared, self._freedom)
+
+    def reconcile(self) -> None:
+        """Give all periods the further error that they need, where χ² is improbable."""
+        if not self.is_improbable:
+            return
+
+        def with_discrepancy(error: float) -> float:
+            self._likelihood.discrepancy = error
+            return 2.0 * float(self._fitted().cost)
+
+        self.discrepancy = excess_scatter(with_discrepancy, self._freedom)
+        self._likelihood.discrepancy = self.discrepancy or 0.0
+        found = self._fitted()
+        self._best, self._sigma = found.x, _sigma(found)
 
     @property
     def likelihood(self) -> Likelihood:
@@ -121,9 +131,9 @@ class CurveFit:
         """Averaged threshold, rad/s, amplitude, m, and damping, 1/s."""
         return self._best
 
-    def posterior(self) -> Posterior:
-        """Weigh what else is possible."""
-        return posterior(self._likelihood, self._ruler, self._assumptions, float(self._best[0]), self._first)
+    def posterior(self, like: Posterior | None = None) -> Posterior:
+        """Weigh what else is possible; another posterior that this one may be much like makes it faster."""
+        return posterior(self._likelihood, self._ruler, self._assumptions, float(self._best[0]), self._first or like)
 
     def answer(self, possible: Posterior) -> CriticalSpeed:
         """Return the best fit with the interval of a posterior."""
@@ -231,6 +241,7 @@ def direct_fit(
 
     """
     fit = CurveFit(evidence, ruler, gravity, assumptions)
+    fit.reconcile()
     return fit.answer(fit.posterior())
 
 

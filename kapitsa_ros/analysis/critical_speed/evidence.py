@@ -73,19 +73,16 @@ def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
         The values are none that runs can have.
 
     """
-    shared: dict[object, list[TimingRow]] = {}
     bounds: dict[str, dict[object, Bound]] = {'fell': {}, 'stopped': {}}
     for number, row in enumerate(rows):
         if row.unused is not None or row.speed is None:
             continue
-        key = number if row.run is None else (row.run, row.speed_asked, row.speed_reading, row.speed)
-        if row.kind == 'timed':
-            shared.setdefault(key, []).append(row)
-        else:
+        if row.kind != 'timed':
             bound = Bound(speed=row.speed, sigma=row.speed_sigma, release=abs(row.release or 0.0))
+            key = _reading_of(number, row)
             known = bounds[row.kind].setdefault(key, bound)
             bounds[row.kind][key] = min(known, bound, key=lambda each: each.release)
-    columns = np.array([_together(timings) for timings in shared.values()], dtype=np.float64).reshape(-1, 6).T
+    columns = np.array([_together(timings) for timings in by_reading(rows)], dtype=np.float64).reshape(-1, 6).T
     return Evidence(
         timed=Readings(*columns[:4]),
         release=columns[4],
@@ -100,6 +97,19 @@ def evidence_of(rows: Sequence[TimingRow]) -> Evidence:
     )
 
 
+def by_reading(rows: Sequence[TimingRow]) -> list[list[TimingRow]]:
+    """Return the timings that count, those together that share a reading of the dial."""
+    shared: dict[object, list[TimingRow]] = {}
+    for number, row in enumerate(rows):
+        if row.kind == 'timed' and row.unused is None and row.speed is not None:
+            shared.setdefault(_reading_of(number, row), []).append(row)
+    return list(shared.values())
+
+
+def _reading_of(number: int, row: TimingRow) -> object:
+    return number if row.run is None else (row.run, row.speed_asked, row.speed_reading, row.speed)
+
+
 def _together(rows: Sequence[TimingRow]) -> tuple[float, ...]:
     """Return speed, period, their errors, release and swings of timings at one reading of the dial."""
     sigma = np.array([row.period_sigma for row in rows])
@@ -107,7 +117,7 @@ def _together(rows: Sequence[TimingRow]) -> tuple[float, ...]:
     weight /= weight.sum()
     period = np.array([row.period for row in rows], dtype=np.float64)
     release = np.array([row.release or 0.0 for row in rows])
-    swings = np.array([row.swings or 1.0 for row in rows])
+    swings = np.array([row.swings_taken or row.swings or 1.0 for row in rows])
     return (
         rows[0].speed or math.nan,
         float(weight @ period),

@@ -19,6 +19,8 @@ from scipy.special import gammaincinv, gammaln, ndtr, ndtri
 from kapitsa_ros.physics.theory.play import play_amplitude_ratio
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -35,7 +37,8 @@ _MOST_ROUNDS = 48  # most readings take fewer than six
 _STEPS = 4  # of Gauss and Newton, to the best threshold of each rod
 _AROUND = 16  # thresholds that are tried for each rod
 _WIDER = 1.2  # so that skewed likelihoods are reached too
-_TOP = 0.9995  # of the lowest speed at which a swing was timed
+HIGHEST = 0.9995
+"""Threshold that is tried, over the lowest speed at which a swing was timed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +75,8 @@ class Posterior:
     """The sample, and"""
     rod_weight: Array
     """the weight of each, shape (M,); they add up to 1."""
+    log_evidence: float
+    """ln of the probability of the evidence, up to a constant of the number of timings."""
     proposal: tuple[Array, Array | None]
     """Mean and root of what rods were drawn from; without a root, from the prior."""
 
@@ -139,8 +144,34 @@ def posterior(
         heavy_damping_probability=float(each @ (rods.damping > 3.0 * assumptions.light_damping)),
         rods=rods,
         rod_weight=each,
+        log_evidence=total - math.log(weight.size) - (0.0 if root is None else 0.5 * _DIMENSIONS * math.log(2.0)),
         proposal=(mean, root),
     )
+
+
+def mixture(posteriors: Sequence[Posterior], share: Array) -> Posterior:
+    """Return what is possible where one of several holds, with a probability each, shape (number,)."""
+    threshold = np.concatenate([each.threshold for each in posteriors])
+    weight = np.concatenate([part * each.weight for part, each in zip(share, posteriors, strict=True)])
+    order = np.argsort(threshold)
+    likeliest = posteriors[int(share.argmax())]
+    return Posterior(
+        threshold=threshold[order],
+        weight=weight[order],
+        effective=1.0 / float(share**2 @ [1.0 / each.effective for each in posteriors]),
+        play_probability=float(share @ [each.play_probability for each in posteriors]),
+        heavy_damping_probability=float(share @ [each.heavy_damping_probability for each in posteriors]),
+        rods=likeliest.rods,
+        rod_weight=likeliest.rod_weight,
+        log_evidence=likeliest.log_evidence,
+        proposal=likeliest.proposal,
+    )
+
+
+def rods_of_prior(ruler: Ruler, assumptions: Assumptions, number: int) -> Rods:
+    """Return rods as they are distributed before anything is timed."""
+    prior = _Prior(ruler, assumptions)
+    return prior.rods(prior.place(_sequence()[0][:number]))
 
 
 @cache
@@ -229,7 +260,7 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
     """Return thresholds that are possible for each rod, and ln L there times their spacing, shape (M, offsets)."""
     model, timed = likelihood.model, likelihood.evidence.timed
     others = (rods.amplitude, rods.damping, rods.coulomb)
-    top = _TOP * float(timed.forcing.min())
+    top = HIGHEST * float(timed.forcing.min())
     best = np.full(rods.amplitude.size, min(start, 0.99 * top))
     for _ in range(_STEPS):
         step = 1e-4 * best

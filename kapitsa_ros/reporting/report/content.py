@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import (
-    direct_fit,
     errors_in_variables,
-    evidence_of,
+    fit_timings,
     ruler_of,
     uncertainty_budget,
 )
@@ -126,10 +125,10 @@ def gather(
     blind = [recorded.run for recorded in runs]
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
-    rows = timing_rows(blind, assumptions.dial_u)
-    evidence, ruler = evidence_of(rows), ruler_of(blind[0])
+    ruler = ruler_of(blind[0])
     on_progress('fitting the readings')
-    curve = direct_fit(evidence, ruler, nominal.gravity, assumptions) if evidence.timed.period.size else None
+    found = fit_timings(timing_rows(blind, assumptions.dial_u), ruler, nominal.gravity, assumptions)
+    evidence, curve = found.evidence, found.best
     has_budget = curve is not None and curve.discrepancy is not None
     budget = None if not has_budget else uncertainty_budget(evidence, ruler, nominal.gravity, assumptions)
     on_progress('trying causes')
@@ -148,7 +147,7 @@ def gather(
         assumptions=assumptions,
         curve=curve,
         budget=budget,
-        timings=tuple(rows),
+        timings=found.rows,
         timed=evidence.timed,
         of_1997=of_1997,
         estimates=_estimates(evidence, curve, of_1997),

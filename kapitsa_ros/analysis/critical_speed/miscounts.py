@@ -1,0 +1,143 @@
+"""Swings that may have been counted one wrong: which counts all readings together make probable."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kapitsa_ros.analysis.critical_speed.evidence import by_reading, evidence_of
+from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR, Likelihood
+from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, rods_of_prior
+from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.timing_row import TimingRow
+
+    Array = NDArray[np.float64]
+
+_WRONG = np.array([0, 1, -1])  # true count less the one that was noted
+_RODS, _THRESHOLDS = 64, 128
+_COARSE = 0.015  # least relative error of a period, so that no maximum lies between the thresholds tried
+_NEAR = 12.0  # of ln L, from the highest
+_NEGLIGIBLE = 0.003  # probability
+_MOST = 8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Counts:
+    """Timings with counts that may be the true ones."""
+
+    rows: tuple[TimingRow, ...]
+    """With `swings_taken` where a count is another than the one noted."""
+    log_weight: float
+    """ln of how probable these counts make the displays, over how probable the evidence of these rows is."""
+
+
+def probable_counts(
+    rows: Sequence[TimingRow], ruler: Ruler, gravity: float, assumptions: Assumptions
+) -> tuple[Counts, ...]:
+    """Find the counts of swings that the readings of one plant leave probable; the first is the likeliest.
+
+    A rod and a threshold give each timing a period, and so a probability that it was counted right, one short or one
+    over. Rods are drawn from the prior, at thresholds in even steps. What is best somewhere is a candidate; candidates
+    are weighed by the sum over all rods. The weights are rough, meant to leave out what need not be fitted.
+    """
+    index = [
+        number
+        for number, row in enumerate(rows)
+        if row.kind == 'timed' and row.unused is None and row.speed and row.swings
+    ]
+    as_noted = (_counts(rows, index, np.zeros(len(index), dtype=np.int64), assumptions),)
+    if not index or not assumptions.miscount_probability:
+        return as_noted
+    log_likelihood, of_bounds = _log_likelihoods(rows, index, ruler, gravity, assumptions)
+    best = log_likelihood.argmax(axis=2)
+    height = log_likelihood.max(axis=2).sum(axis=1) + of_bounds
+    candidates = np.unique(best[height > height.max() - _NEAR], axis=0)
+    each = np.arange(len(index))
+    weight = np.array(
+        [np.logaddexp.reduce(log_likelihood[:, each, candidate].sum(axis=1) + of_bounds) for candidate in candidates]
+    )
+    order = np.argsort(-weight)[:_MOST]
+    kept = order[weight[order] - np.logaddexp.reduce(weight) > math.log(_NEGLIGIBLE)]
+    return tuple(_counts(rows, index, _WRONG[candidates[number]], assumptions) for number in kept) or as_noted
+
+
+def _log_likelihoods(
+    rows: Sequence[TimingRow], index: Sequence[int], ruler: Ruler, gravity: float, assumptions: Assumptions
+) -> tuple[Array, Array]:
+    """Return ln L of timings that were counted right, one short and one over, shape (M, N, 3), and of falls, (M,)."""
+    alone = [replace(row, run=None) for row in rows if row.kind != 'timed' or row.unused is not None]
+    evidence = evidence_of([*alone, *(replace(rows[number], run=None) for number in index)])
+    timed, swings = evidence.timed, evidence.swings
+    likelihood = Likelihood(evidence, gravity)
+    true_swings = swings[:, None] + _WRONG
+    possible = true_swings > 0.5
+    period = timed.period[:, None] * (swings[:, None] / np.where(possible, true_swings, np.nan))
+    k = k_of_slow_frequency(timed.forcing[:, None], 2.0 * math.pi / period, ruler.amplitude, gravity)
+    guess = np.sqrt(2.0 * gravity / k) / ruler.amplitude
+    top = HIGHEST * float(timed.forcing.min())
+    low, high = 0.7 * float(np.nanmin(guess)), min(1.2 * float(np.nanmax(guess)), top)
+    rods = rods_of_prior(ruler, assumptions, _RODS)
+    threshold = np.tile(np.geomspace(min(low, 0.9 * high), high, _THRESHOLDS), _RODS)
+    amplitude, damping, coulomb = (
+        np.repeat(each, _THRESHOLDS) for each in (rods.amplitude, rods.damping, rods.coulomb)
+    )
+    expected, doubt = likelihood.model.periods(threshold, amplitude, damping, coulomb)
+    reach = (likelihood.model.k(threshold, amplitude) * amplitude)[:, None]
+    steepness = reach**2 * timed.forcing * expected**2 / (8.0 * math.pi**2)  # −d ln T/dω
+    relative = np.sqrt(
+        (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + _COARSE**2
+    )[:, :, None]
+    misfit = (np.nan_to_num(period, nan=np.inf) / expected[:, :, None] - 1.0) / relative
+    density = -0.5 * misfit**2 - np.log(relative * expected[:, :, None])
+    prior = np.log(true_swings, where=possible, out=np.zeros_like(period))
+    log_likelihood = density - prior + _log_priors(assumptions)
+    return log_likelihood, likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
+
+
+def _log_priors(assumptions: Assumptions) -> Array:
+    wrong = assumptions.miscount_probability
+    return np.log(np.maximum([1.0 - wrong, 0.5 * wrong, 0.5 * wrong], 1e-300))
+
+
+def _counts(
+    rows: Sequence[TimingRow], index: Sequence[int], wrong: NDArray[np.int64], assumptions: Assumptions
+) -> Counts:
+    """Take timings as counted wrong by this much.
+
+    The density of a display is that of the period over the count.
+    """
+    taken = list(rows)
+    log_prior = float(_log_priors(assumptions)[wrong].sum())
+    for number, off in zip(index, wrong.tolist(), strict=True):
+        row = rows[number]
+        swings = row.swings + off
+        log_prior -= math.log(swings)
+        if off:
+            ratio = row.swings / swings
+            taken[number] = replace(
+                row, period=row.period * ratio, period_sigma=row.period_sigma * ratio, swings_taken=swings
+            )
+    return Counts(rows=tuple(taken), log_weight=log_prior + _log_agreement(taken))
+
+
+def _log_agreement(rows: Sequence[TimingRow]) -> float:
+    """Return ln of how well timings agree that become one row of evidence, whose mean no longer shows it."""
+    total = 0.0
+    for together in by_reading(rows):
+        period = np.array([row.period for row in together])
+        sigma = np.maximum([row.period_sigma for row in together], FLOOR * period)
+        weight = sigma**-2
+        misfit = (period - weight @ period / weight.sum()) / sigma
+        total -= 0.5 * float(misfit @ misfit + np.log(weight.sum()) - np.log(weight).sum())
+    return total
