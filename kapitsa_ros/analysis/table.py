@@ -51,7 +51,7 @@ class Readings:
         _refuse((self.forcing_sigma < 0.0) | (self.period_sigma < 0.0), 'a standard error is negative')
         cycles = self.forcing * self.period / (2.0 * math.pi)
         _refuse(
-            cycles < _FEWEST_CYCLES,
+            cycles * (1.0 + 2.0 * self.period_sigma / self.period) < _FEWEST_CYCLES,  # a press may err by that much
             'the shaft turns only {:.2g} times in a swing, which should take many turns: '
             'give the speed in RPM (not Hz or rad/s) and the period in seconds',
             cycles,

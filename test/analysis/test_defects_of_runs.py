@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.critical_speed import evidence_of
-from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.analysis.timing_row import timing_rows
+from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.analysis.timing_row import TimingRow, timing_rows
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.network.run import Run
 from kapitsa_ros.network.timing import Timing
 from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 
@@ -26,9 +29,6 @@ def runs(ideal_experiment: SimulatedExperiment) -> list[Run]:
 
 @pytest.fixture(scope='module')
 def ideal_experiment() -> SimulatedExperiment:
-    from kapitsa_ros.configuration.instrument_sets import load_instruments
-    from kapitsa_ros.physics.plant import Plant
-
     speeds = (2240 * RPM, 2640 * RPM)
     return SimulatedExperiment(
         plant=Plant(), instruments=load_instruments('ideal'), protocol=Protocol(speeds=speeds), seed=1
@@ -90,3 +90,13 @@ def test_a_record_that_shows_no_swing_is_said_to_show_none(runs: list[Run], angl
     time = np.arange(angle.size) / 1000.0
     with pytest.raises(AnalysisError, match=message):
         reduce_motions([RecordedRun(name='run_01', run=runs[0], time=time, angle=angle)])
+
+
+def test_a_press_that_errs_by_most_of_a_swing_is_no_mix_up_of_units():
+    """One swing of 0.4 s at 3000 RPM, of which a thumb that is 0.1 s out may show 0.095 s: 4.7 turns."""
+    short = {'speed': 3000.0 * RPM, 'speed_sigma': 0.5, 'period': 0.095, 'period_sigma': 0.099, 'swings': 1}
+    slow = {'speed': 1490.0 * RPM, 'speed_sigma': 0.5, 'period': 1.875, 'period_sigma': 0.099, 'swings': 1}
+    rows = [TimingRow(kind='timed', release=0.12, run=number, **row) for number, row in enumerate((slow, short))]
+    assert evidence_of(rows).timed.period.tolist() == [1.875, 0.095]
+    with pytest.raises(TableError, match='give the speed in RPM'):
+        Readings(np.array([37.0]), np.array([0.5]), np.zeros(1), np.array([0.03]))

@@ -23,7 +23,7 @@ FRAMES = {
     'stability_map': lambda: kr.stability_map(speed=[150, 250], amplitude=[0.01, 0.02, 0.03]),
     'reduce': lambda: kr.reduce('1997'),
     'explain': lambda: kr.explain('1997'),
-    'plan': lambda: kr.plan(target=1.0),
+    'plan': lambda: kr.plan(target=3.0),
     'campaign': lambda: kr.campaign(experiments=2),
 }
 

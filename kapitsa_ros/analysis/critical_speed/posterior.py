@@ -168,7 +168,7 @@ def mixture(posteriors: Sequence[Posterior], share: Array) -> Posterior:
     )
 
 
-def rods_of_prior(ruler: Ruler, assumptions: Assumptions, number: int) -> Rods:
+def rods_of_prior(ruler: Ruler, assumptions: Assumptions, number: int = _RODS) -> Rods:
     """Return rods as they are distributed before anything is timed."""
     prior = _Prior(ruler, assumptions)
     return prior.rods(prior.place(_sequence()[0][:number]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_left
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -12,8 +11,10 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR
-from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+from kapitsa_ros.analysis.critical_speed.posterior import rods_of_prior
+from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.plan.promise import Promise, press_variance
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
 from kapitsa_ros.analysis.strobe_alias import dial_sigma
 from kapitsa_ros.operator.scripted_operator import CATCH
@@ -24,8 +25,10 @@ from kapitsa_ros.units import RPM
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
-    from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
     from kapitsa_ros.physics.plant import Plant
 
 NORMAL_95 = 1.959964
@@ -37,6 +40,9 @@ _SPEEDS = 9
 _RUNS = (2, 3)  # one would do beside a ruler, but leave nothing to check it by
 _SWINGS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20)
 _REPEATS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
+_AIMS = 8  # at the bound, until the interval meets the target
+_CLOSE, _CLOSER = 0.9, 0.98  # of the target: near enough, and what the next aim is to come to
+_FARTHEST = 3.0  # targets
 _SET_UP = 5.0  # s: the shaft runs up, the strobe is read
 
 
@@ -60,14 +66,18 @@ def cheapest_plan(
     plant: Plant,
     instruments: Instruments,
     target_percent: float,
+    *,
     release: float = 0.12,
     fastest: float = FASTEST,
+    assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
 ) -> Plan:
     """Find the protocol of least bench time whose 95 % interval is expected within ±target.
 
-    The expectation is the Cramér-Rao bound of the direct fit: Fisher information of the exact curve for the threshold,
-    λ (with the ruler's prior) and c (with its own), at the errors of these instruments. Friction limits the swings: a
-    run is timed for no longer than its motion lasts.
+    Protocols are compared by the Cramér-Rao bound of the direct fit: Fisher information of the exact curve for the
+    threshold, λ and c, with the spread of the two that ruler and assumptions leave, at the errors of these
+    instruments. What is expected of the one that is chosen is the interval itself (see `Promise`); where it is wider or
+    narrower than the bound, the aim at the bound is moved until it is met. Friction limits the swings: a run is timed
+    for no longer than its motion lasts.
 
     Raises
     ------
@@ -79,56 +89,101 @@ def cheapest_plan(
         raise AnalysisError(f'target {target_percent} %: give a percentage above 0')
     if release == 0.0:
         raise AnalysisError('a release at 0 rad: an upright rod does not swing, let it go at an angle')
-    runs = _candidates(plant, release, fastest)
+    protocols = _protocols(_candidates(plant, release, fastest), plant, instruments, assumptions)
+    bound = np.array([protocol.bound_percent for protocol in protocols])
+    seconds = np.array([protocol.seconds for protocol in protocols])
+
+    def promise(protocol: _Protocol) -> Promise:
+        return Promise(
+            plant=plant,
+            instruments=instruments,
+            assumptions=assumptions,
+            release=release,
+            speeds=protocol.speeds,
+            swings=protocol.swings,
+            repeats=protocol.repeats,
+        )
+
     best: Plan | None = None
-    closest = math.inf
-    for count in _RUNS:
-        for chosen in combinations(runs, count):
-            for swings in (number for number in _SWINGS if number <= min(run.swings for run in chosen)):
-                plan = _fewest_repeats(chosen, instruments, plant, swings, target_percent)
-                closest = min(closest, plan.expected_percent)
-                if plan.expected_percent <= target_percent and (best is None or plan.seconds < best.seconds):
-                    best = plan
+    aim = target_percent
+    tried: set[_Protocol] = set()
+    for _ in range(_AIMS):
+        aim = max(aim, float(bound.min()))
+        chosen = protocols[int(np.where(bound <= aim, seconds, math.inf).argmin())]
+        if chosen in tried:
+            break
+        tried.add(chosen)
+        expected = promise(chosen).half_width_percent
+        if expected <= target_percent and (best is None or chosen.seconds < best.seconds):
+            best = Plan(
+                speeds=chosen.speeds,
+                swings=chosen.swings,
+                repeats=chosen.repeats,
+                expected_percent=expected,
+                seconds=chosen.seconds,
+            )
+        if _CLOSE * target_percent <= expected <= target_percent:
+            break
+        aim = min(aim * _CLOSER * target_percent / expected, _FARTHEST * target_percent)
     if best is None:
-        raise AnalysisError(f'no protocol tried reaches {target_percent:g} %: the best comes to {closest:.2g} %')
+        most = promise(protocols[int(bound.argmin())])
+        raise AnalysisError(
+            f'{target_percent:g} % cannot be reached: limited by {most.limited_by}; '
+            f'the best protocol tried comes to {most.half_width_percent:.2g} %'
+        )
     return best
 
 
-def _fewest_repeats(
-    runs: Sequence[Sensitivity], instruments: Instruments, plant: Plant, swings: int, target_percent: float
-) -> Plan:
-    """Return the plan of fewest repeats that reaches the target, or that of most."""
-
-    def expected(repeats: int) -> float:
-        return expected_percent(runs, instruments, plant, swings, repeats)
-
-    index = bisect_left(_REPEATS, -target_percent, hi=len(_REPEATS) - 1, key=lambda repeats: -expected(repeats))
-    repeats = _REPEATS[index]
-    return Plan(
-        speeds=tuple(run.speed for run in runs),
-        swings=swings,
-        repeats=repeats,
-        expected_percent=expected(repeats),
-        seconds=sum(_SET_UP + repeats * (CATCH + (0.75 + swings) * run.period) for run in runs),
-    )
+@dataclass(frozen=True, kw_only=True)
+class _Protocol:
+    speeds: tuple[float, ...]
+    swings: int
+    repeats: int
+    bound_percent: float
+    seconds: float
 
 
-def expected_percent(
-    runs: Sequence[Sensitivity], instruments: Instruments, plant: Plant, swings: int, repeats: int
-) -> float:
-    """Return half the width of the 95 % interval to expect, per cent of the critical speed."""
-    press = math.sqrt(_press_variance(instruments.stopwatch) / repeats) / swings
+def _protocols(
+    runs: Sequence[Sensitivity], plant: Plant, instruments: Instruments, assumptions: Assumptions
+) -> list[_Protocol]:
+    """Return those that can be carried out, each with the least half width of its interval."""
+    prior = _prior_information(plant, assumptions)
+    return [
+        _Protocol(
+            speeds=tuple(run.speed for run in chosen),
+            swings=swings,
+            repeats=repeats,
+            bound_percent=100.0 * NORMAL_95 * math.sqrt(variance),
+            seconds=sum(_SET_UP + repeats * (CATCH + (0.75 + swings) * run.period) for run in chosen),
+        )
+        for count in _RUNS
+        for chosen in combinations(runs, count)
+        for swings in _SWINGS
+        if swings <= min(run.swings for run in chosen)
+        for repeats, variance in zip(_REPEATS, _variances(chosen, instruments, swings, prior), strict=True)
+    ]
+
+
+def _prior_information(plant: Plant, assumptions: Assumptions) -> NDArray[np.float64]:
+    """Return what is known beforehand of ln threshold, ln λ and c, as their spreads: those of the rods of the prior."""
+    rods = rods_of_prior(Ruler(amplitude=plant.amplitude), assumptions)
+    spread = [float(np.std(rods.amplitude)) / plant.amplitude, float(np.sqrt(np.mean(rods.damping**2)))]
+    return np.diag([0.0, *(max(each, FLOOR) ** -2 for each in spread)])
+
+
+def _variances(
+    runs: Sequence[Sensitivity], instruments: Instruments, swings: int, prior: NDArray[np.float64]
+) -> list[float]:
+    """Return that of ln threshold, for each number of repeats."""
     dial = dial_sigma(instruments.strobe)
-    information = np.diag([0.0, (plant.amplitude / RULER_SIGMA) ** 2, DEFAULT_ASSUMPTIONS.light_damping**-2])
+    press = press_variance(instruments.stopwatch) / np.array(_REPEATS, dtype=np.float64) / swings**2
+    information = np.tile(prior, (len(_REPEATS), 1, 1))
     for run in runs:
         gradient = run.gradient(swings)
-        sigma = math.hypot(press / run.period, run.of_speed * dial, FLOOR)
-        information += np.outer(gradient, gradient) / sigma**2
-    return 100.0 * NORMAL_95 * math.sqrt(np.linalg.inv(information)[0, 0])
-
-
-def _press_variance(stopwatch: StopwatchSettings) -> float:
-    return 2.0 * stopwatch.reaction_jitter**2 + stopwatch.display_resolution**2 / 12.0
+        variance = press / run.period**2 + (run.of_speed * dial) ** 2 + FLOOR**2
+        information += np.outer(gradient, gradient) / variance[:, None, None]
+    found: list[float] = np.linalg.inv(information)[:, 0, 0].tolist()
+    return found
 
 
 def _candidates(plant: Plant, release: float, fastest: float) -> list[Sensitivity]:

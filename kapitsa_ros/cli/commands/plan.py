@@ -9,11 +9,20 @@ import click
 from kapitsa_ros._api.plan import plan as call
 from kapitsa_ros.analysis.explain import CAUSES
 from kapitsa_ros.analysis.plan.cheapest import FASTEST
-from kapitsa_ros.cli.options import ANGLE, SPEED, instrument_options, json_option, plant_options, print_json
+from kapitsa_ros.cli.options import (
+    ANGLE,
+    SPEED,
+    assumption_option,
+    instrument_options,
+    json_option,
+    plant_options,
+    print_json,
+)
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.plan import Separation
     from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.instruments.settings import Instruments
@@ -39,6 +48,7 @@ _NAMES = click.Choice([cause.name for cause in CAUSES])
 )
 @plant_options
 @instrument_options
+@assumption_option
 @json_option
 def plan(
     table: TimingTable,
@@ -49,11 +59,14 @@ def plan(
     between: tuple[str, str],
     plant: Plant,
     instruments: Instruments,
+    assumptions: Assumptions,
     as_json: bool,
 ) -> None:
     """Find the cheapest protocol whose 95 % interval is within ±TARGET per cent of the critical speed.
 
-    Beside it stands the one measurement that best tells two explanations of TABLE (by default that of 1997) apart.
+    It has to allow for what the readings would not show, such as play: --assume play_probability=0 for a pivot that is
+    known to have none. Beside it stands the one measurement that best tells two explanations of TABLE (by default that
+    of 1997) apart.
     """
     found = call(
         plant,
@@ -63,6 +76,7 @@ def plan(
         between=between,
         readings=table,
         instruments=instruments,
+        assumptions=assumptions,
     )
     deciding = found.separation
     if as_json:
