@@ -9,7 +9,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
+from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings, refuse_mixed_units
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -86,14 +86,13 @@ def as_timings(readings: AnyReadings) -> TimingTable:
         raise TableError('readings: give a table by name or path, or the columns (speed, period), and their errors')
     forcing, period = to_si_array('speed', readings[0], 'rad/s'), to_si_array('period', readings[1], 's')
     errors: list[Any] = [*readings[2:], *(0.0, PERIOD_SIGMA)[len(readings) - 2 :]]
-    return table_of(
-        Readings(
-            forcing=forcing,
-            period=period,
-            forcing_sigma=_column('speed_sigma', errors[0], 'rad/s', forcing),
-            period_sigma=_column('period_sigma', errors[1], 's', forcing),
-        )
+    typed = Readings(
+        forcing=forcing,
+        period=period,
+        forcing_sigma=_column('speed_sigma', errors[0], 'rad/s', forcing),
+        period_sigma=_column('period_sigma', errors[1], 's', forcing),
     )
+    return table_of(refuse_mixed_units(typed))
 
 
 def _column(name: str, values: Any, unit: str, like: NDArray[np.float64]) -> NDArray[np.float64]:

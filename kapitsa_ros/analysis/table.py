@@ -27,7 +27,7 @@ class Readings:
     Raises
     ------
     TableError
-        Values no run can have, or units mixed up.
+        Values no run can have.
 
     """
 
@@ -49,28 +49,40 @@ class Readings:
         _refuse(self.forcing <= 0.0, 'the speed is zero or negative: leave out runs that gave no reading')
         _refuse(self.period <= 0.0, 'the period is zero or negative: leave out runs that gave no reading')
         _refuse((self.forcing_sigma < 0.0) | (self.period_sigma < 0.0), 'a standard error is negative')
-        cycles = self.forcing * self.period / (2.0 * math.pi)
-        _refuse(
-            cycles * (1.0 + 2.0 * self.period_sigma / self.period) < _FEWEST_CYCLES,  # a press may err by that much
-            'the shaft turns only {:.2g} times in a swing, which should take many turns: '
-            'give the speed in RPM (not Hz or rad/s) and the period in seconds',
-            cycles,
-        )
-        _refuse(
-            self.period > _LONGEST_PERIOD,
-            'a period of {:g} s: give the period in seconds, neither milliseconds nor RPM',
-            self.period,
-        )
-        _refuse(
-            self.period_sigma > _LONGEST_PERIOD,
-            'a standard error of {:g} s: give that of a period in seconds',
-            self.period_sigma,
-        )
 
     @property
     def slow(self) -> NDArray[np.float64]:
         """Ω = 2π/T, rad/s."""
         return 2.0 * math.pi / self.period
+
+
+def refuse_mixed_units(readings: Readings) -> Readings:
+    """Return readings that a person typed, unless they are such that their units must be others.
+
+    Raises
+    ------
+    TableError
+        The shaft turns too few times in a swing, or a period takes too long.
+
+    """
+    cycles = readings.forcing * readings.period / (2.0 * math.pi)
+    _refuse(
+        cycles < _FEWEST_CYCLES,
+        'the shaft turns only {:.2g} times in a swing, which should take many turns: '
+        'give the speed in RPM (not Hz or rad/s) and the period in seconds',
+        cycles,
+    )
+    _refuse(
+        readings.period > _LONGEST_PERIOD,
+        'a period of {:g} s: give the period in seconds, neither milliseconds nor RPM',
+        readings.period,
+    )
+    _refuse(
+        readings.period_sigma > _LONGEST_PERIOD,
+        'a standard error of {:g} s: give that of a period in seconds',
+        readings.period_sigma,
+    )
+    return readings
 
 
 def _refuse(wrong: NDArray[np.bool_], message: str, values: NDArray[np.float64] | None = None) -> None:

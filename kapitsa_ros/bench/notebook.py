@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.analysis.table import Readings, refuse_mixed_units
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM
 
@@ -72,12 +72,13 @@ class Notebook:
         """
         if row.forcing_rpm <= 0 or row.period_s <= 0:
             raise TableError('set the dial of the lamp and time a swing, then write it down')
-        Readings(
+        typed = Readings(
             forcing=np.array([row.forcing_rpm * RPM]),
             period=np.array([row.period_s]),
             forcing_sigma=np.zeros(1),
             period_sigma=np.zeros(1),
         )
+        refuse_mixed_units(typed)
         self._save([*self.rows, row])
 
     def strike_out(self) -> Row | None:

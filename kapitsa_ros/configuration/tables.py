@@ -12,7 +12,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed.evidence import evidence_of
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings
+from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings, refuse_mixed_units
 from kapitsa_ros.analysis.timing_row import TimingRow
 from kapitsa_ros.configuration.files import find_file
 from kapitsa_ros.network.timing import Kind
@@ -231,7 +231,7 @@ def _row(path: Path, number: int, texts: Mapping[str, str]) -> TimingRow:
     if row.kind == 'timed':
         values = (row.speed, row.period, row.speed_sigma, row.period_sigma)
         try:
-            Readings(*(np.array([value], dtype=np.float64) for value in values))
+            refuse_mixed_units(Readings(*(np.array([value], dtype=np.float64) for value in values)))
         except TableError as error:
             cells.refuse(str(error).removeprefix('row 1: '))
     return row

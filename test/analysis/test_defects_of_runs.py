@@ -10,7 +10,7 @@ from kapitsa_ros.analysis.critical_speed import evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.experiment import reduce_motions, reduce_runs
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.analysis.table import Readings
+from kapitsa_ros.analysis.table import Readings, refuse_mixed_units
 from kapitsa_ros.analysis.timing_row import TimingRow, timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
@@ -99,4 +99,4 @@ def test_a_press_that_errs_by_most_of_a_swing_is_no_mix_up_of_units():
     rows = [TimingRow(kind='timed', release=0.12, run=number, **row) for number, row in enumerate((slow, short))]
     assert evidence_of(rows).timed.period.tolist() == [1.875, 0.095]
     with pytest.raises(TableError, match='give the speed in RPM'):
-        Readings(np.array([37.0]), np.array([0.5]), np.zeros(1), np.array([0.03]))
+        refuse_mixed_units(Readings(np.array([37.0]), np.array([0.5]), np.zeros(1), np.array([0.03])))

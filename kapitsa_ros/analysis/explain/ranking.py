@@ -27,8 +27,11 @@ if TYPE_CHECKING:
 
 _Tried: TypeAlias = 'Sequence[tuple[Cause, Callable[[float], NDArray[np.float64]]]]'
 
-SUPPORT = 2.0
-"""Explanations within this of the best AIC have substantial support (Burnham & Anderson, Model Selection, 2.6)."""
+SUPPORT = RISE_95
+"""Explanations within this of the best AIC cannot be told from it.
+
+A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance.
+"""
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
 _MISSING = 1e15  # χ² of a run that could not have been timed
@@ -61,7 +64,7 @@ class OtherErrors:
     factor: float
     """On the error stated of each period."""
     best: tuple[str, ...]
-    """The cause that fits best, and those with substantial support beside it; none where no cause fits."""
+    """The cause that fits best, and those that cannot be told from it; none where no cause fits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,7 +74,7 @@ class Ranking:
     explanations: tuple[Explanation, ...]
     """Best first."""
     indistinguishable: tuple[str, ...]
-    """Those with substantial support, where they are more than one."""
+    """Those that cannot be told from the best, where there are any."""
     period_sigma: tuple[float, float]
     """Smallest and largest error stated of a period, s: the ranking rests on them."""
     with_other_errors: tuple[OtherErrors, ...]
