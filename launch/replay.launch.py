@@ -16,6 +16,10 @@ from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 ARGUMENTS = {
     'bags': ('runs', 'folder of a run, or of several', None),
     'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
+    'start': ('0.0', 'where to begin, s of the runs laid end to end', None),
+    'end': ('', 'where to end, s; empty: the end', None),
+    'loop': ('false', 'begin again at the end', ['true', 'false']),
+    'start_paused': ('false', 'wait for the service player/resume', ['true', 'false']),
     'viewer': ('none', 'what shows the runs, if its package is installed', list(VIEWERS)),
 }
 

@@ -11,6 +11,8 @@ from collections import deque
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
+from std_srvs.srv import Trigger
+
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.network.registry import COMMAND, JIGSAW, PIVOT
@@ -47,7 +49,8 @@ class JigsawNode(DataflowNode):
         self._in_flight = parameters.in_flight
         self._plant = declare_set(self, Plant, 'amplitude')
         self._motion = declare_set(self, JigsawParameters)
-        self._time = TimeControl(self, next_step=lambda: self._next, reset=self._reset)
+        self._time = TimeControl(self, next_step=lambda: self._next)
+        self.create_service(Trigger, '~/reset', self._reset)
         self._jigsaw = self._at_rest()
         self._commands: deque[tuple[StepId, Command]] = deque()
         self._acknowledged: dict[str, StepId | None] = {t.name: None for t in self.reads if t is not COMMAND}
@@ -122,10 +125,13 @@ class JigsawNode(DataflowNode):
         behind = step - self._in_flight
         return behind < 0 or (ack is not None and ack.run == run and ack.step >= behind)
 
-    def _reset(self) -> None:
-        self._commands.clear()
-        self._cut_short = self._next.run
-        self._end_run(StepId(self._next.run, self._next.step, end=True))
+    def _reset(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        if self._next.step:
+            self._commands.clear()
+            self._cut_short = self._next.run
+            self._end_run(StepId(self._next.run, self._next.step, end=True))
+        answer.success, answer.message = True, str(self._next)
+        return answer
 
     def _emit_step(self, step_id: StepId, command: Command) -> None:
         if step_id.end:

@@ -1,52 +1,65 @@
-"""The player: puts a bag back on the topics it was recorded from, as fast as the analyser takes it or paced."""
+"""The player: puts a bag back on the topics it was recorded from, as fast as the analyser takes it or paced.
+
+The analyser gets every step once and in order, however the runs are played: what is skipped is not shown to viewers,
+and what is played again is shown to them alone. So its result does not depend on where one looked.
+"""
 
 from __future__ import annotations
 
 from collections import deque
 from contextlib import suppress
-from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.configuration.rig_parameters import RigParameters
-from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import MOTION, PIVOT, PLAYER, REPLAYED
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY, SECOND
-from kapitsa_ros.network.step_id import StepId, ends_session
+from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.playback import Playback, PlayedStep
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
 from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
-from kapitsa_ros.ros.parameters import declare, declare_quantity
+from kapitsa_ros.ros.parameters import declare, declare_set
 from kapitsa_ros.ros.qos import LATCHED, message_class
-from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
+from kapitsa_ros.ros.time_control import TimeControl
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from rclpy.parameter import Parameter
 
 WINDOW = 8
 """Steps under way at once."""
 
 
 class PlayerNode(DataflowNode):
-    """Executable `player`."""
+    """Executable `player`. Parameter `seek`, s, moves to another place of the runs, at any time."""
 
     def __init__(self) -> None:
         super().__init__(PLAYER)
         paths = declare(self, 'bags', [''], 'folders of the runs to play, in this order')
-        self._pace = RealTimePacer(declare_quantity(self, RigParameters, 'rate'))
+        self._loop = declare(self, 'loop', default=False, description='begin again at the end, for viewers')
+        try:
+            self._part = declare_set(self, PlaybackParameters)
+        except ConfigurationError as error:
+            raise SettingError(str(error)) from error
         if not any(paths):
             raise SettingError('parameter bags is empty: give one run or more')
         try:
             self._bags = [RunBag(Path(path)) for path in paths]
         except BagError as error:
             raise SettingError(f'parameter bags: {error}') from error
+        self._playback = Playback(self._bags)
+        duration = self._playback.duration
+        if self._part.start >= duration:
+            raise SettingError(f'parameter start is {self._part.start:g} s: the runs last {duration:g} s')
+        declare(self, 'seek', self._part.start, 'place of the runs to go to, s', 0.0, duration, read_only=False)
         self._text = message_class(SETTINGS_TYPE)
         self._latched = {
             node: self.create_publisher(self._text, settings_topic(node), LATCHED)
@@ -55,9 +68,17 @@ class PlayerNode(DataflowNode):
         self._report = Throttle(REPORT_PERIOD)
         self._clock_publisher, self._joint_states = ClockPublisher(self), JointStatePublisher(self)
         self._under_way: deque[StepId] = deque()
-        self._playing = self._bags[0]
-        self._steps = self._play()
-        self._next = next(self._steps)
+        self._emitted: PlayedStep | None = None
+        """The last that the analyser was given."""
+        self._analysed = False
+        """Whether the analyser was told that no run follows."""
+        self._steps = self._playback.steps()
+        self._next: PlayedStep | None = next(self._steps)
+        self._shown_from = self._part.start
+        self._is_sought = False
+        """Whether the next step that is shown is so even while time stands still."""
+        self._time = TimeControl(self, next_step=self._next_id)
+        self.add_post_set_parameters_callback(self._take_parameters)
 
     def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:  # noqa: ARG002
         """Note that a step has been analysed."""
@@ -69,57 +90,101 @@ class PlayerNode(DataflowNode):
     def advance(self) -> float:
         """Play every step that is due, a window ahead of the analyser at most."""
         while not self.finished:
-            step_id, stamp, messages = self._next
-            # A run begins when the one before has been analysed, since settings are not numbered.
-            if len(self._under_way) > (WINDOW if step_id.step else 0):
+            step = self._next
+            if step is None or step.seconds > self._part.end:
+                if not self._end_of_part():
+                    return IDLE
+                continue
+            is_new = self._emitted is None or step.index > self._emitted.index
+            is_shown = step.seconds >= self._shown_from
+            if is_shown and self._time.stands_still and not self._is_sought:
                 return IDLE
-            wait = self._pace.wait(stamp / SECOND)
+            # A run begins when the one before has been analysed, since settings are not numbered.
+            if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):
+                return IDLE
+            wait = self._time.pace.wait(step.stamp_ns / SECOND) if is_shown else 0.0
             if wait > 0:
                 return wait
-            if step_id.step == 0 and not step_id.end:
-                self._latch(self._playing)
-            for topic in REPLAYED:
-                if topic.name in messages:
-                    self.emit_raw(topic, messages[topic.name])
-                elif step_id.end or topic.name not in self._playing.topics:
-                    # The bag is older than the role: silence stands for its messages.
-                    self.emit_silence(topic, step_id, stamp)
-            self._under_way.append(step_id)
-            self._show(step_id, stamp, messages)
-            self._pace.count(stamp / SECOND)
-            if self._report.due() or step_id.end:
-                self.diagnostics.publish(progress_message('player', step_id, stamp, self._pace))
-            if ends_session(step_id):
-                self.finish()
-            else:
-                self._next = next(self._steps)
+            if is_new:
+                self._emit(step)
+            if is_shown:
+                self._show(step)
+            self._next = next(self._steps, None)
+            if is_shown and not is_new:
+                return 0.0  # nobody is waited for: let services and signals have their turn
         return IDLE
 
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
         return min(super().poll(), self._joint_states.refresh())
 
-    def _show(self, step_id: StepId, stamp: int, messages: dict[str, bytes]) -> None:
-        self._clock_publisher.publish(stamp)
-        if not step_id.end:
-            with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
-                pivot, motion = messages[PIVOT.name], messages[MOTION.name]
-                self._joint_states.offer(stamp, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
+    def _emit(self, step: PlayedStep) -> None:
+        if step.id.step == 0 and not step.id.end:
+            self._latch(step.bag)
+        for topic in REPLAYED:
+            if topic.name in step.messages:
+                self.emit_raw(topic, step.messages[topic.name])
+            elif step.id.end or topic.name not in step.bag.topics:
+                # The bag is older than the role: silence stands for its messages.
+                self.emit_silence(topic, step.id, step.stamp_ns)
+        self._under_way.append(step.id)
+        self._emitted = step
 
-    def _play(self) -> Iterator[tuple[StepId, int, dict[str, bytes]]]:
-        """Yield number, stamp and messages of every step of every bag; then the end of the session."""
-        names = [topic.name for topic in REPLAYED]
-        step_id, stamp = StepId(0, 0), 0
-        for bag in self._bags:
-            self._playing = bag
-            for step_id, step in groupby(bag.raw(*names), key=lambda message: read_step_id(message[2])):
-                messages = {}
-                for topic, stamp, raw in step:  # noqa: B007
-                    messages[topic] = raw
-                yield step_id, stamp, messages
-            if not step_id.end:
-                yield StepId(step_id.run, step_id.step + 1, end=True), stamp, {}
-        yield StepId(step_id.run + 1, 0, end=True), (step_id.run + 1) * DAY, {}
+    def _show(self, step: PlayedStep) -> None:
+        if self._is_sought:
+            self._is_sought = False
+        else:
+            self._time.count(step.stamp_ns / SECOND)
+        self._clock_publisher.publish(step.stamp_ns)
+        if not step.id.end:
+            with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
+                pivot, motion = step.messages[PIVOT.name], step.messages[MOTION.name]
+                self._joint_states.offer(step.stamp_ns, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
+        if self._report.due() or step.id.end:
+            self._tell(step.id, step.stamp_ns)
+
+    def _end_of_part(self) -> bool:
+        """End the session, once; then begin again, or leave. Return False while steps are being analysed."""
+        if not self._analysed:
+            if self._under_way:
+                return False
+            self._end_session()
+            self._analysed = True
+        if self._loop:
+            self._go_to(self._part.start)
+        else:
+            self.finish()
+        return True
+
+    def _end_session(self) -> None:
+        last = self._emitted
+        run, stamp = (last.id.run, last.stamp_ns) if last else (0, 0)
+        ends = [StepId(run + 1, 0, end=True)]
+        if last and not last.id.end:
+            ends.insert(0, StepId(run, last.id.step + 1, end=True))
+        for step_id in ends:
+            for topic in REPLAYED:
+                self.emit_silence(topic, step_id, stamp if step_id.run == run else (run + 1) * DAY)
+        self._tell(ends[-1], (run + 1) * DAY)
+
+    def _tell(self, step_id: StepId, stamp_ns: int) -> None:
+        self.diagnostics.publish(progress_message('player', step_id, stamp_ns, self._time.pace))
+
+    def _go_to(self, seconds: float) -> None:
+        self._steps = self._playback.steps()
+        self._shown_from = seconds
+        self._next = next(self._steps, None)
+        self._time.pace.restart()
+
+    def _next_id(self) -> StepId:
+        """Return the number of the next step that is shown."""
+        return self._next.id if self._next is not None else StepId(self._bags[-1].run.number + 1, 0, end=True)
+
+    def _take_parameters(self, parameters: list[Parameter]) -> None:
+        for parameter in parameters:
+            if parameter.name == 'seek':
+                self._go_to(parameter.value)
+                self._is_sought = True
 
     def _latch(self, bag: RunBag) -> None:
         for node, publisher in self._latched.items():

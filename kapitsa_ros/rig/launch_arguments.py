@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.configuration.assignments import parse_assignments
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import OPTION, KapitsaError
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
-from kapitsa_ros.rig.setup import Setup, replay_parameters
+from kapitsa_ros.rig.setup import Replay, Setup, replay_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -57,7 +58,12 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
     """
     folder = Path(arguments['bags']).expanduser()
     with _errors_in_launch_form():
-        rate = _read('rate', arguments)
+        replay = Replay(
+            rate=_read('rate', arguments),
+            part=PlaybackParameters.of({name: arguments[name] for name in ('start', 'end') if arguments[name]}),
+            loop=arguments['loop'] == 'true',
+            start_paused=arguments['start_paused'] == 'true',
+        )
         paths = [folder] if _is_run(folder) else sorted(path for path in folder.glob('*/') if _is_run(path))
         if not paths:
             raise UsageError(
@@ -65,7 +71,7 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
             )
         for path in paths:
             RunBag(path)
-    return replay_parameters(paths, rate)
+    return replay_parameters(paths, replay)
 
 
 def end_with_failed(event: Any, context: Any) -> None:

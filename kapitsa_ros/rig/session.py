@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
 from kapitsa_ros.network.registry import SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
+from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.preflight import prepare
 from kapitsa_ros.rig.setup import REPLAY_NAMES, parameters, replay_parameters
@@ -21,7 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from kapitsa_ros.rig.setup import Setup
+    from kapitsa_ros.rig.setup import Replay, Setup
 
     Progress = Callable[[dict[str, str]], None]
 
@@ -55,27 +58,68 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     return analyse_bags(bags) | made
 
 
-def replay_bags(paths: Sequence[Path], rate: float, on_progress: Progress) -> dict[str, Any]:
+def replay_bags(
+    paths: Sequence[Path],
+    replay: Replay,
+    on_progress: Progress,
+    on_result: Callable[[dict[str, Any]], None] | None = None,
+) -> dict[str, Any]:
     """Play recorded runs through the graph, and let the analyser analyse them as they come.
+
+    Parameters
+    ----------
+    paths
+        Folders of the runs.
+    replay
+        How they are played.
+    on_progress
+        Called with the values of each progress report.
+    on_result
+        Called with what is returned as soon as it is there: before a loop goes on.
 
     Raises
     ------
     BagError
         A path is no run.
+    UsageError
+        The runs are over before the part that is to be played begins.
     RigError
         A node died.
 
     """
     bags = [RunBag(path) for path in paths]
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
-    monitor: SessionMonitor = _watch(REPLAY_NAMES, replay_parameters(paths, rate), on_progress)
-    runs = [recorded_values(bag) | values for bag, values in zip(bags, monitor.runs, strict=True)]
-    values: dict[str, Any] = {'runs': runs} | monitor.experiment | origin(bags[0].run)
-    return values | {'realtime_factor': float(monitor.progress['realtime_factor'])}
+    duration = Playback(bags).duration
+    if replay.part.start >= duration:
+        raise UsageError(f'--start is {replay.part.start:g} s: the runs last {duration:g} s together')
+
+    def values(monitor: SessionMonitor) -> dict[str, Any]:
+        # Those after the end of the part were not played.
+        runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=False)]
+        played = [] if replay.part == PlaybackParameters() else [replay.part.start, min(replay.part.end, duration)]
+        return (
+            {'runs': runs}
+            | monitor.experiment
+            | origin(bags[0].run)
+            | {'realtime_factor': float(monitor.progress['realtime_factor'])}
+            | ({'played_s': played} if played else {})
+        )
+
+    def tell(monitor: SessionMonitor) -> None:
+        if on_result is not None:
+            on_result(values(monitor))
+
+    return values(_watch(REPLAY_NAMES, replay_parameters(paths, replay), on_progress, tell))
 
 
-def _watch(roles: Sequence[str], values: dict[str, Any], on_progress: Progress) -> SessionMonitor:
-    """Run a graph until its session is over, and return its monitor."""
+def _watch(
+    roles: Sequence[str],
+    values: dict[str, Any],
+    on_progress: Progress,
+    on_end: Callable[[SessionMonitor], None] = lambda _: None,
+) -> SessionMonitor:
+    """Run a graph until its nodes have left, and return its monitor; tell when its session is over."""
+    told = False
     with removing_stale_segments(), reserved_domain() as domain:
         with on_loopback():
             monitor = SessionMonitor(domain, on_progress)
@@ -87,5 +131,11 @@ def _watch(roles: Sequence[str], values: dict[str, Any], on_progress: Progress) 
                 monitor.check()
                 if not monitor.session_over:
                     nodes.refuse_leavers(LEAVING)
+                elif not told:
+                    monitor.wait_for_end()
+                    on_end(monitor)
+                    told = True
             monitor.wait_for_end()
+            if not told:
+                on_end(monitor)
     return monitor

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.network.registry import REPLAY_ROLES, ROLE_NAMES
@@ -55,6 +56,24 @@ def parameters(setup: Setup) -> dict[str, Any]:
     }
 
 
-def replay_parameters(bags: Sequence[Path], rate: float) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Replay:
+    """How recorded runs are played."""
+
+    rate: float = 0.0
+    part: PlaybackParameters = field(default_factory=PlaybackParameters)
+    loop: bool = False
+    """Whether to begin again at the end, until the player is told to leave."""
+    start_paused: bool = False
+
+
+def replay_parameters(bags: Sequence[Path], replay: Replay) -> dict[str, Any]:
     """Return the parameters of player and analyser."""
-    return {'expect': list(REPLAY_NAMES), 'bags': [str(bag) for bag in bags], 'rate': RigParameters(rate=rate).rate}
+    return {
+        'expect': list(REPLAY_NAMES),
+        'bags': [str(bag) for bag in bags],
+        'rate': RigParameters(rate=replay.rate).rate,
+        'loop': replay.loop,
+        'start_paused': replay.start_paused,
+        **asdict(replay.part),
+    }

@@ -41,6 +41,8 @@ class SessionMonitor(ListenerNode):
         """Results of each run, in order, as the analyser published them."""
         self.experiment: dict[str, Any] = {}
         """Results of all runs so far together."""
+        self.session_over = False
+        """Whether the owner of time has said that no run follows."""
         self._ended = False
         self._news = threading.Condition()
         self._on_progress = on_progress
@@ -62,11 +64,6 @@ class SessionMonitor(ListenerNode):
             self.check()
             if not came:
                 raise TimeoutError('the rig did not say that the session is over')
-
-    @property
-    def session_over(self) -> bool:
-        """Whether the owner of time has said that no run follows."""
-        return self.progress.get('session_over') == 'True'
 
     def wait_for_progress(self, timeout: float) -> dict[str, str]:
         """Wait for the next report of progress and return its values.
@@ -95,6 +92,7 @@ class SessionMonitor(ListenerNode):
             if status.name in PROGRESS:
                 with self._news:
                     self.progress = {pair.key: pair.value for pair in status.values}
+                    self.session_over = self.session_over or self.progress.get('session_over') == 'True'
                     self._news.notify_all()
                 if self._on_progress is not None:
                     self._on_progress(self.progress)

@@ -1,4 +1,4 @@
-"""Services and parameters of simulated time: pause, resume, step, reset and rate, on the node that owns it."""
+"""Services and parameters of simulated time: pause, resume, step and rate, on the node that owns it."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 class TimeControl:
     """Decides whether and when the next step is due.
 
-    Services (std_srvs/Trigger) `NODE/pause`, `resume`, `step` and `reset`. What succeeds is answered with
+    Services (std_srvs/Trigger) `NODE/pause`, `resume`, `toggle_paused` and `step`. What succeeds is answered with
     a number: of the next step, or after `step` of the step before which time stands still again. What cannot be done is
-    answered with a sentence. Parameters: `rate`, and `steps`, both of which may be changed at any time.
+    answered with a sentence. Parameters: `rate`, and `steps`, both of which may be changed at any time; `start_paused`.
 
     Parameters
     ----------
@@ -31,23 +31,21 @@ class TimeControl:
         The node that owns time.
     next_step
         Returns the number of the next step.
-    reset
-        Ends the run under way before its next step.
 
     """
 
-    def __init__(self, node: Node, *, next_step: Callable[[], StepId], reset: Callable[[], None]) -> None:
+    def __init__(self, node: Node, *, next_step: Callable[[], StepId]) -> None:
         self.pace = RealTimePacer(declare_quantity(node, RigParameters, 'rate', read_only=False))
         self._steps = declare(node, 'steps', 1, 'steps that the service step makes', 1, 10**6, read_only=False)
-        self._left: int | None = None
+        paused = declare(node, 'start_paused', default=False, description='whether time stands still at first')
+        self._left: int | None = 0 if paused else None
         """Steps until time stands still; None: it runs."""
         self._next_step = next_step
-        self._request_reset = reset
         node.add_post_set_parameters_callback(self._take_parameters)
         node.create_service(Trigger, '~/pause', self._pause)
         node.create_service(Trigger, '~/resume', self._resume)
+        node.create_service(Trigger, '~/toggle_paused', self._toggle)
         node.create_service(Trigger, '~/step', self._step)
-        node.create_service(Trigger, '~/reset', self._end_run)
 
     @property
     def stands_still(self) -> bool:
@@ -80,6 +78,9 @@ class TimeControl:
         self.pace.restart()
         return _done(answer, self._next_step())
 
+    def _toggle(self, request: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
+        return (self._pause if self._left is None else self._resume)(request, answer)
+
     def _step(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
         if not self.stands_still:
             return _refused(answer, 'time runs: pause it, then step')
@@ -87,11 +88,6 @@ class TimeControl:
         self.pace.restart()
         step_id = self._next_step()
         return _done(answer, StepId(step_id.run, step_id.step + self._steps))
-
-    def _end_run(self, _: Trigger.Request, answer: Trigger.Response) -> Trigger.Response:
-        if self._next_step().step:
-            self._request_reset()
-        return _done(answer, self._next_step())
 
 
 def _done(answer: Trigger.Response, step_id: StepId) -> Trigger.Response:

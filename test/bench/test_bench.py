@@ -43,6 +43,7 @@ from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.session import replay_bags
+from kapitsa_ros.rig.setup import Replay
 from kapitsa_ros.ros.rig_client import News
 from kapitsa_ros.units import RPM
 
@@ -443,7 +444,7 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
         assert in_front_of(rig, state, work) is None
     bags = sorted((tmp_path / 'bags').iterdir())
     assert all(RunBag(bag).complete for bag in bags)
-    read, replayed = analyse_bags(bags[:2]), replay_bags(bags[:2], 0.0, lambda _: None)
+    read, replayed = analyse_bags(bags[:2]), replay_bags(bags[:2], Replay(), lambda _: None)
     del replayed['realtime_factor']
     assert replayed == read
     for run in read['runs']:

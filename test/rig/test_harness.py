@@ -26,6 +26,7 @@ from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.session import replay_bags
+from kapitsa_ros.rig.setup import Replay
 from kapitsa_ros.units import RPM
 
 pytestmark = pytest.mark.xdist_group('harness')
@@ -98,7 +99,7 @@ def test_a_manual_run_is_replayed_to_the_same_digits(lab: Rig) -> None:
     bag = RunBag(path)
     assert bag.complete
     assert bag.motion.gaps == 0
-    read, replayed = analyse_bags([path]), replay_bags([path], 0.0, lambda _: None)
+    read, replayed = analyse_bags([path]), replay_bags([path], Replay(), lambda _: None)
     del replayed['realtime_factor']
     assert replayed == read
     assert live.items() <= read['runs'][0].items()

@@ -39,7 +39,7 @@ from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
-from kapitsa_ros.rig.setup import REPLAY_NAMES, replay_parameters
+from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
 from kapitsa_ros.rig.urdf import MASS, urdf
 from kapitsa_ros.rig.viewers import VIEWERS, programs
 from kapitsa_ros.ros.diagnostics import progress_message
@@ -146,7 +146,7 @@ def test_joint_states_are_the_recorded_motion(tmp_path: Path) -> None:
 
 def test_a_replay_shows_the_recorded_motion() -> None:
     with reserved_domain() as domain, viewer_in(domain) as viewer:
-        told = replay_parameters(SHIPPED[:1], 1.0)
+        told = replay_parameters(SHIPPED[:1], Replay(rate=1.0))
         with NodeGroup(REPLAY_NAMES, told, domain):
             viewer.watch(lambda: len(viewer.states) >= 10 and len(viewer.clocks) >= 10)
     agree(viewer.states, SHIPPED[0])

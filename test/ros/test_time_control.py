@@ -1,4 +1,4 @@
-"""Pause, resume, step, reset and rate, served to a node that only keeps what is declared."""
+"""Pause, resume, step and rate, served to a node that only keeps what is declared."""
 
 from types import SimpleNamespace
 
@@ -11,14 +11,14 @@ from kapitsa_ros.ros.time_control import TimeControl
 
 
 class Node:
-    """Declares parameters at their defaults and calls back what a real node would."""
+    """Declares parameters, at their defaults where none is given, and calls back what a real node would."""
 
-    def __init__(self) -> None:
-        self.services, self.set_parameters = {}, None
+    def __init__(self, given: dict[str, bool]) -> None:
+        self.services, self.set_parameters, self.given = {}, None, given
 
     def declare_parameter(self, name, default, descriptor):
-        assert not descriptor.read_only, name
-        return SimpleNamespace(value=default)
+        assert descriptor.read_only == (name == 'start_paused')
+        return SimpleNamespace(value=self.given.get(name, default))
 
     def add_post_set_parameters_callback(self, callback) -> None:
         self.set_parameters = callback
@@ -31,13 +31,9 @@ class Node:
 class Lab:
     """A node that makes steps while it may."""
 
-    def __init__(self) -> None:
-        self.node, self.next, self.resets = Node(), StepId(1, 0), 0
-        self.time = TimeControl(self.node, next_step=lambda: self.next, reset=self._reset)
-
-    def _reset(self) -> None:
-        self.resets += 1
-        self.next = StepId(self.next.run + 1, 0)
+    def __init__(self, **given: bool) -> None:
+        self.node, self.next = Node(given), StepId(1, 0)
+        self.time = TimeControl(self.node, next_step=lambda: self.next)
 
     def call(self, name: str) -> tuple[bool, str]:
         answer = self.node.services[f'~/{name}'](Trigger.Request(), Trigger.Response())
@@ -86,12 +82,18 @@ def test_as_many_steps_are_made_as_the_parameter_says(lab: Lab) -> None:
     assert lab.next == StepId(1, 4)
 
 
-def test_a_reset_ends_a_run_that_has_begun_and_no_other(lab: Lab) -> None:
-    assert lab.call('reset') == (True, 'run 1 step 0')
-    assert lab.resets == 0
-    lab.make_steps(2)
-    assert lab.call('reset') == (True, 'run 2 step 0')
-    assert lab.resets == 1
+def test_one_service_pauses_and_resumes(lab: Lab) -> None:
+    assert lab.call('toggle_paused') == (True, 'run 1 step 0')
+    assert lab.make_steps(5) == 0
+    assert lab.call('toggle_paused') == (True, 'run 1 step 0')
+    assert lab.make_steps(5) == 5
+
+
+def test_time_stands_still_at_first_where_that_is_asked() -> None:
+    lab = Lab(start_paused=True)
+    assert lab.make_steps(5) == 0
+    lab.call('resume')
+    assert lab.make_steps(5) == 5
 
 
 def test_the_rate_is_changed_and_nothing_else(lab: Lab) -> None:

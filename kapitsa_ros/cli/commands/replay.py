@@ -2,27 +2,71 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.cli.options import bags_argument, json_option, rate_option
+from kapitsa_ros.cli.options import RATE, bags_argument, json_option
 from kapitsa_ros.cli.show_result import show_result
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.playback_parameters import LONGEST, PlaybackParameters
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+_PLACE = click.FloatRange(0.0, LONGEST)
+
 
 @click.command()
 @bags_argument
-@rate_option
+@click.option(
+    '--rate',
+    type=RATE,
+    default=None,
+    help='simulated over wall seconds; 0: as fast as it can  [default: 0, in a loop 1]',
+)
+@click.option(
+    '--start', '--start-offset', 'start', type=_PLACE, default=0.0, show_default=True, help='where to begin, s'
+)
+@click.option(
+    '--end', '--playback-until-sec', 'end', type=_PLACE, default=None, help='where to end, s  [default: the end]'
+)
+@click.option('--loop', is_flag=True, help='begin again at the end, until Ctrl-C')
+@click.option('--start-paused', is_flag=True, help='wait for the service player/resume, or the space bar')
 @json_option
-def replay(*, bags: tuple[Path, ...], rate: float, as_json: bool) -> None:
-    """Play recorded runs through the graph; the analyser there analyses them as they come."""
+def replay(
+    *,
+    bags: tuple[Path, ...],
+    rate: float | None,
+    start: float,
+    end: float | None,
+    loop: bool,
+    start_paused: bool,
+    as_json: bool,
+) -> None:
+    """Play recorded runs through the graph; the analyser there analyses them as they come.
+
+    Places are seconds of the runs laid end to end. The analyser is given all from the beginning to the end of the part
+    that is played, once; viewers see that part.
+    """
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
     from kapitsa_ros.rig.session import replay_bags  # noqa: PLC0415  # rclpy takes its time
+    from kapitsa_ros.rig.setup import Replay  # noqa: PLC0415
+
+    try:
+        part = PlaybackParameters(start=start, end=LONGEST if end is None else end)
+    except ConfigurationError as error:
+        raise click.UsageError(str(error)) from error
+    how = Replay(rate=float(loop) if rate is None else rate, part=part, loop=loop, start_paused=start_paused)
+
+    def show(values: dict[str, Any]) -> None:
+        show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)
+        if 'played_s' in values and not as_json:
+            begin, finish = values['played_s']
+            click.echo(f'Played from {begin:g} to {finish:g} s; the analysis is of all that was recorded until then.')
 
     with shown_progress(len(bags)) as on_progress:
-        values = replay_bags(bags, rate, on_progress)
-    show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)
+        values = replay_bags(bags, how, on_progress, show if loop else None)
+    if not loop:
+        show(values)

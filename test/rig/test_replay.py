@@ -1,0 +1,160 @@
+"""Recorded runs played like a recording: paused, stepped, sought, in part and in a loop, and analysed the same."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+import rclpy
+from rcl_interfaces.srv import SetParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
+
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags
+from kapitsa_ros.network.registry import REPLAYED
+from kapitsa_ros.network.step_clock import DAY, SECOND
+from kapitsa_ros.recording.playback import Playback
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.session import replay_bags
+from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
+from kapitsa_ros.ros.qos import VIEW
+from kapitsa_ros.ros.session_monitor import SessionMonitor
+
+SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
+PATIENCE = 60.0
+
+
+class Audience:
+    """Somebody who looks at a replay and has its remote control."""
+
+    def __init__(self, node: Node, executor: SingleThreadedExecutor) -> None:
+        self._node, self._executor = node, executor
+        self.seconds: list[float] = []
+        """Of the first run, at which what was shown took place."""
+        node.create_subscription(JointState, 'joint_states', self._see, VIEW)
+
+    def _see(self, state: JointState) -> None:
+        stamp = state.header.stamp
+        self.seconds.append(stamp.sec + stamp.nanosec / SECOND - DAY / SECOND)
+
+    def call(self, name: str) -> str:
+        """Call a service of the player, and return its answer."""
+        client = self._node.create_client(Trigger, f'player/{name}')
+        assert client.wait_for_service(PATIENCE)
+        return self._answer(client.call_async(Trigger.Request())).message
+
+    def set(self, name: str, value: float) -> str:
+        """Set a parameter of the player, and return why it was refused."""
+        client = self._node.create_client(SetParameters, 'player/set_parameters')
+        assert client.wait_for_service(PATIENCE)
+        request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+        return self._answer(client.call_async(request)).results[0].reason
+
+    def watch(self, seen_enough: Callable[[], bool]) -> None:
+        deadline = self._node.get_clock().now().nanoseconds + PATIENCE * SECOND
+        while not seen_enough():
+            assert self._node.get_clock().now().nanoseconds < deadline
+            self._executor.spin_once(timeout_sec=0.1)
+
+    def _answer(self, future: Any) -> Any:
+        self._executor.spin_until_future_complete(future, PATIENCE)
+        return future.result()
+
+
+@contextmanager
+def audience_of(replay: Replay, bags: list[Path] = SHIPPED[:1]) -> Iterator[tuple[Audience, SessionMonitor, NodeGroup]]:
+    """Play bags to somebody; in a domain of their own."""
+    with reserved_domain() as domain:
+        context = Context()
+        with on_loopback():
+            rclpy.init(context=context, domain_id=domain)
+            monitor = SessionMonitor(domain)
+        node, executor = Node('audience', context=context), SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        told = replay_parameters(bags, replay) | {'expect': [*REPLAY_NAMES, 'session_monitor']}
+        try:
+            with monitor, NodeGroup(REPLAY_NAMES, told, domain) as nodes:
+                yield Audience(node, executor), monitor, nodes
+        finally:
+            executor.shutdown()
+            node.destroy_node()
+            context.try_shutdown()
+
+
+def test_playback_is_all_runs_end_to_end() -> None:
+    bags = [RunBag(path) for path in SHIPPED]
+    steps = list(Playback(bags).steps())
+    assert [step.index for step in steps] == list(range(len(steps)))
+    seconds = [step.seconds for step in steps]
+    assert seconds == sorted(seconds)
+    assert seconds[-1] == pytest.approx(Playback(bags).duration)
+    assert [step.id.run for step in steps if step.id.end] == [1, 2, 3]
+    messages = [raw for step in steps for raw in step.messages.values()]
+    names = [topic.name for topic in REPLAYED]
+    assert messages
+    assert sorted(messages) == sorted(raw for bag in bags for _, _, raw in bag.raw(*names))
+
+
+def test_the_end_of_a_part_is_after_its_start() -> None:
+    with pytest.raises(ConfigurationError, match='the end, 2 s, is not after the start, 3 s'):
+        PlaybackParameters(start=3.0, end=2.0)
+    with pytest.raises(UsageError, match='--start is 5000 s: the runs last'):
+        replay_bags(SHIPPED[:1], Replay(part=PlaybackParameters(start=5000.0)), lambda _: None)
+
+
+def test_a_replay_is_paused_stepped_sought_and_analysed_as_ever() -> None:
+    """Whatever was shown, skipped and shown again, the analyser has had every step once."""
+    with audience_of(Replay(rate=5.0, start_paused=True)) as (audience, monitor, nodes):
+        assert audience.call('pause') == 'paused already, before run 1 step 0'
+        assert audience.call('step') == 'run 1 step 1'
+        audience.watch(lambda: len(audience.seconds) > 0)
+        assert audience.seconds[-1] == pytest.approx(0.1)  # the end of the first step
+        assert audience.set('seek', 1e6)  # refused: the run does not last so long
+        assert not audience.set('seek', 6.0)
+        audience.watch(lambda: audience.seconds[-1] > 6.1 - 1e-6)  # the end of the step there
+        assert not [seconds for seconds in audience.seconds if 0.1 + 1e-6 < seconds < 6.0]
+        assert not audience.set('seek', 2.0)
+        audience.watch(lambda: 2.1 - 1e-6 < audience.seconds[-1] < 3.0)
+        assert not audience.set('rate', 50.0)
+        assert audience.call('toggle_paused') == 'run 1 step 21'
+        audience.watch(lambda: nodes.wait(0.0))
+        monitor.wait_for_end()
+        back = next(number for number, seconds in enumerate(audience.seconds) if 2.0 < seconds < 3.0)
+        assert audience.seconds[back:] == sorted(audience.seconds[back:])
+    read = analyse_bags(SHIPPED[:1])
+    assert monitor.runs[0].items() <= read['runs'][0].items()
+    assert monitor.experiment.items() <= read.items()
+
+
+def test_a_loop_shows_the_part_again_and_again_and_tells_the_result_once() -> None:
+    part = PlaybackParameters(start=1.0, end=2.0)
+    with audience_of(Replay(rate=10.0, part=part, loop=True)) as (audience, monitor, _):
+        audience.watch(lambda: sum(later < earlier for earlier, later in pairwise(audience.seconds)) >= 3)
+        monitor.wait_for_end()
+        assert min(audience.seconds) > 1.0
+        assert max(audience.seconds) <= 2.1 + 1e-6
+        assert len(monitor.runs) == 1
+
+
+@pytest.mark.parametrize('rate', [0.0, 1000.0])
+def test_part_of_the_runs_is_analysed_to_its_end(rate: float) -> None:
+    """Of three runs the first two, and of the third what was recorded until then: nothing was timed there."""
+    lengths = [Playback([RunBag(path)]).duration for path in SHIPPED]
+    part = PlaybackParameters(start=lengths[0], end=lengths[0] + lengths[1] + 1.0)
+    values = replay_bags(SHIPPED, Replay(rate=rate, part=part), lambda _: None)
+    assert values['played_s'] == [part.start, part.end]
+    whole = analyse_bags(SHIPPED)
+    assert [run['period_s'] for run in values['runs']] == [*(run['period_s'] for run in whole['runs'][:2]), None]
+    assert values['omega_crit_rpm'] == analyse_bags(SHIPPED[:2])['omega_crit_rpm']
