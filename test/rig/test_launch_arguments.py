@@ -16,6 +16,7 @@ from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from, rig_f
 from kapitsa_ros.rig.preflight import make_writable
 
 CHECKOUT = Path(__file__).parents[2]
+PLAYED = {'rate': '1.0', 'start': '0.0', 'end': '', 'loop': 'false', 'start_paused': 'false'}
 SAID = {
     'preset': 'bearing', 'plant': '', 'instruments': '1997', 'instrument': '', 'protocol': '1997', 'rate': '2',
     'seed': '7', 'bags': 'runs',
@@ -68,7 +69,7 @@ def test_a_value_that_looks_like_an_option_stays_as_it_was_given(tmp_path: Path)
     folder = tmp_path / 'x--bags y: z'
     folder.mkdir()
     with pytest.raises(UsageError, match=re.escape(f'bags:={folder}: no run is there')):
-        replay_from({'bags': str(folder), 'rate': '1.0'})
+        replay_from(PLAYED | {'bags': str(folder), 'rate': '1.0'})
     with pytest.raises(UsageError, match=re.escape('--bags /proc/--rate x: y: cannot be made')) as error:
         make_writable(Path('/proc/--rate x: y'))
     assert error.value.option == 'bags'
@@ -78,12 +79,16 @@ def test_a_value_that_looks_like_an_option_stays_as_it_was_given(tmp_path: Path)
 def test_replay_takes_a_folder_of_runs_or_one_run() -> None:
     bags = CHECKOUT / 'bags'
     runs = sorted(str(path) for path in bags.glob('run_*'))
-    assert replay_from({'bags': str(bags), 'rate': '0'})['bags'] == runs
-    assert replay_from({'bags': runs[1], 'rate': '0'})['bags'] == [runs[1]]
+    assert replay_from(PLAYED | {'bags': str(bags), 'rate': '0'})['bags'] == runs
+    one = replay_from(PLAYED | {'bags': runs[1], 'rate': '2', 'start': '3', 'end': '5', 'loop': 'true'})
+    assert one['bags'] == [runs[1]]
+    assert (one['rate'], one['start'], one['end'], one['loop'], one['start_paused']) == (2.0, 3.0, 5.0, True, False)
+    with pytest.raises(UsageError, match='the end, 2 s, is not after the start, 3 s'):
+        replay_from(PLAYED | {'bags': runs[1], 'start': '3', 'end': '2'})
 
 
 def test_replay_refuses_a_folder_without_runs_and_a_run_without_an_index(tmp_path: Path) -> None:
-    said = {'bags': str(tmp_path), 'rate': '1.0'}
+    said = PLAYED | {'bags': str(tmp_path), 'rate': '1.0'}
     with pytest.raises(UsageError, match=f'bags:={tmp_path}: no run is there'):
         replay_from(said)
     shutil.copytree(CHECKOUT / 'bags' / 'run_01_2240rpm', tmp_path / 'killed')

@@ -30,10 +30,12 @@ _Tried: TypeAlias = 'Sequence[tuple[Cause, Callable[[float], NDArray[np.float64]
 SUPPORT = RISE_95
 """Explanations within this of the best AIC cannot be told from it.
 
-A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance.
+A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance. Nor
+can one be excluded that tunes nothing and misfits no more than in 19 of 20 tables: those that tune fit noise as well.
 """
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
+_EXCLUDED = 0.05  # below which it is no candidate beside a better one
 _MISSING = 1e15  # χ² of a run that could not have been timed
 
 
@@ -130,7 +132,13 @@ def _ranked(readings: Readings, plant: Plant, tried: _Tried) -> tuple[Ranking, f
     order = np.argsort(criteria, kind='stable')
     ranked = tuple(_weighed(fitted[index], float(weights[index])) for index in order)
     supported = tuple(
-        fitted[index].name for index in order if fitted[index].fits and criteria[index] - criteria.min() <= SUPPORT
+        fitted[index].name
+        for index in order
+        if fitted[index].fits
+        and (
+            criteria[index] - criteria.min() <= SUPPORT
+            or (not causes[index].tuned and fitted[index].chi_squared <= _largest(readings, causes[index], _EXCLUDED))
+        )
     )
     sigma = readings.period_sigma
     ranking = Ranking(
@@ -170,7 +178,7 @@ def _fit(
     def excess(value: float) -> float:
         return chi_squared(value) - lowest - RISE_95
 
-    fits = bool(lowest <= chdtri(max(readings.period.size - cause.tuned, 1), _REJECTED))
+    fits = lowest <= _largest(readings, cause, _REJECTED)
     tells = fits and bool(cause.parameter)
     bounded = tells and not cause.discrete
     seen = misfit(best)
@@ -184,6 +192,11 @@ def _fit(
         weight=0.0,
         fits=fits,
     )
+
+
+def _largest(readings: Readings, cause: Cause, probability: float) -> float:
+    """Return the χ² that a true cause exceeds with this probability."""
+    return float(chdtri(max(readings.period.size - cause.tuned, 1), probability))
 
 
 def _effective_sigma(readings: Readings, plant: Plant) -> NDArray[np.float64]:
