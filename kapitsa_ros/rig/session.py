@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
-from kapitsa_ros.network.registry import SESSION_MONITOR
+from kapitsa_ros.network.registry import PLAYER, SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kapitsa_ros.rig.setup import Replay, Setup
+    from kapitsa_ros.ros.time_control_client import TimeControlClient
 
     Progress = Callable[[dict[str, str]], None]
 
@@ -63,6 +65,7 @@ def replay_bags(
     replay: Replay,
     on_progress: Progress,
     on_result: Callable[[dict[str, Any]], None] | None = None,
+    steered: Callable[[TimeControlClient], AbstractContextManager[None]] | None = None,
 ) -> dict[str, Any]:
     """Play recorded runs through the graph, and let the analyser analyse them as they come.
 
@@ -76,6 +79,8 @@ def replay_bags(
         Called with the values of each progress report.
     on_result
         Called with what is returned as soon as it is there: before a loop goes on.
+    steered
+        Given a client of the player's time control, returns the context in which the replay is watched.
 
     Raises
     ------
@@ -109,7 +114,10 @@ def replay_bags(
         if on_result is not None:
             on_result(values(monitor))
 
-    return values(_watch(REPLAY_NAMES, replay_parameters(paths, replay), on_progress, tell))
+    def attended(monitor: SessionMonitor) -> AbstractContextManager[None]:
+        return nullcontext() if steered is None else steered(monitor.time_control(PLAYER.name))
+
+    return values(_watch(REPLAY_NAMES, replay_parameters(paths, replay), on_progress, tell, attended))
 
 
 def _watch(
@@ -117,6 +125,7 @@ def _watch(
     values: dict[str, Any],
     on_progress: Progress,
     on_end: Callable[[SessionMonitor], None] = lambda _: None,
+    attended: Callable[[SessionMonitor], AbstractContextManager[None]] = lambda _: nullcontext(),
 ) -> SessionMonitor:
     """Run a graph until its nodes have left, and return its monitor; tell when its session is over."""
     told = False
@@ -126,6 +135,7 @@ def _watch(
         with (
             monitor,
             NodeGroup(roles, values | {'expect': [*values['expect'], SESSION_MONITOR.name]}, domain) as nodes,
+            attended(monitor),
         ):
             while not nodes.wait(WATCH_PERIOD):
                 monitor.check()

@@ -8,16 +8,14 @@ import threading
 from collections import deque
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from rcl_interfaces.srv import SetParameters
-from rclpy.parameter import Parameter
 from std_msgs.msg import Float64
-from std_srvs.srv import Trigger
 
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import CLIENT, RESULT, TOPICS, WRITTEN, topic_named
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,10 +72,7 @@ class RigClient(ListenerNode):
         self._asks: dict[str, Publisher] = {
             name: self._node.create_publisher(Float64, name, 10) for name in ('operator/speed', 'operator/release')
         }
-        self._services = {
-            name: self._node.create_client(Trigger, f'jigsaw/{name}') for name in ('pause', 'resume', 'step', 'reset')
-        }
-        self._parameters = self._node.create_client(SetParameters, 'jigsaw/set_parameters')
+        self._time = TimeControlClient(self._node, 'jigsaw', 'reset')
         self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)  # last: only leaving the context closes it
         """File descriptor."""
 
@@ -149,7 +144,7 @@ class RigClient(ListenerNode):
 
     def is_served(self) -> bool:
         """Whether the node that owns time is there for calls."""
-        return all(client.service_is_ready() for client in (*self._services.values(), self._parameters))
+        return self._time.is_served()
 
     def ask(self, topic: str, value: float) -> None:
         """Publish a request."""
@@ -157,12 +152,11 @@ class RigClient(ListenerNode):
 
     def call(self, service: str) -> Future:
         """Call a service of the node that owns time; the answer is a Trigger.Response."""
-        return self._telling(self._services[service].call_async(Trigger.Request()))
+        return self._telling(self._time.call(service))
 
     def set_parameters(self, **values: float) -> Future:
         """Set parameters of the node that owns time; the answer is a SetParameters.Response."""
-        wanted = [Parameter(name, value=value).to_parameter_msg() for name, value in values.items()]
-        return self._telling(self._parameters.call_async(SetParameters.Request(parameters=wanted)))
+        return self._telling(self._time.set_parameters(**values))
 
     def _telling(self, future: Future) -> Future:
         future.add_done_callback(lambda _: self.wake())

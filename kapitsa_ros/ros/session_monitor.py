@@ -13,6 +13,7 @@ from kapitsa_ros.network.registry import RESULT, SESSION_MONITOR
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -49,6 +50,10 @@ class SessionMonitor(ListenerNode):
         super().__init__(SESSION_MONITOR.name, domain)
         self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
         self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
+
+    def time_control(self, owner: str) -> TimeControlClient:
+        """Return a client of the node that owns time."""
+        return TimeControlClient(self._node, owner)
 
     def wait_for_end(self, timeout: float = 5.0) -> None:
         """Wait for the analyser's last results and for the report that the session is over.

@@ -1,5 +1,7 @@
 """Recorded runs played like a recording: paused, stepped, sought, in part and in a loop, and analysed the same."""
 
+import os
+import termios
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from itertools import pairwise
@@ -16,6 +18,7 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
+from kapitsa_ros.cli.replay_keys import replay_keys
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
@@ -136,6 +139,28 @@ def test_a_replay_is_paused_stepped_sought_and_analysed_as_ever() -> None:
     read = analyse_bags(SHIPPED[:1])
     assert monitor.runs[0].items() <= read['runs'][0].items()
     assert monitor.experiment.items() <= read.items()
+
+
+def test_keys_steer_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
+    person, terminal = os.openpty()
+    with (
+        os.fdopen(terminal, encoding='utf-8') as stdin,
+        audience_of(Replay(rate=1.0, start_paused=True)) as (audience, monitor, _),
+    ):
+        monkeypatch.setattr('sys.stdin', stdin)
+        control = monitor.time_control('player')
+        before = termios.tcgetattr(terminal)
+        with replay_keys(control, 1.0):
+            audience.watch(control.is_served)
+            os.write(person, b'\x1b[C')
+            audience.watch(lambda: len(audience.seconds) > 0)
+            assert audience.seconds[-1] <= 0.1 + 1e-6
+            os.write(person, b'\x1b[A' * 10 + b' ')
+            audience.watch(lambda: audience.seconds[-1] > 1.0)
+            os.write(person, b' ')
+            audience.watch(lambda: audience.call('pause').startswith('paused already'))
+        assert termios.tcgetattr(terminal) == before
+    os.close(person)
 
 
 def test_a_loop_shows_the_part_again_and_again_and_tells_the_result_once() -> None:

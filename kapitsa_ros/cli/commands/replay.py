@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from kapitsa_ros.cli.options import RATE, bags_argument, json_option
+from kapitsa_ros.cli.replay_keys import replay_keys
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.playback_parameters import LONGEST, PlaybackParameters
@@ -47,7 +49,8 @@ def replay(
     """Play recorded runs through the graph; the analyser there analyses them as they come.
 
     Places are seconds of the runs laid end to end. The analyser is given all from the beginning to the end of the part
-    that is played, once; viewers see that part.
+    that is played, once; viewers see that part. In a terminal, space pauses and resumes, → makes one step, ↑ and ↓
+    change the rate by 10 %.
     """
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
@@ -67,6 +70,7 @@ def replay(
             click.echo(f'Played from {begin:g} to {finish:g} s; the analysis is of all that was recorded until then.')
 
     with shown_progress(len(bags)) as on_progress:
-        values = replay_bags(bags, how, on_progress, show if loop else None)
+        steered = partial(replay_keys, rate=how.rate)
+        values = replay_bags(bags, how, on_progress, show if loop else None, steered)
     if not loop:
         show(values)
