@@ -5,7 +5,7 @@
 - A rod: `Plant`, `preset`.
 - What theory says of it: `theory`, `stability_map`; what it does: `simulate`.
 - The laboratory of 1997: `experiment` (as ROS 2 nodes), `campaign` (many, in process), `Rig` (in your hands).
-- What was read: `read_bag`, `reduce`, `explain`, `plan`, `report`.
+- What was read: `read_bag`, `reduce`, `explain`, `plan`, `report`, `figures`.
 
 Speeds, lengths, angles and times are numbers in SI, texts with a unit (`'2500 rpm'`, `'9.75 in'`) or quantities of a
 library of units. A bare speed is in rad/s; `rpm(2500)` is 2500 RPM. Only `Rig.request_speed` takes RPM, as its dial
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.campaign import campaign
     from kapitsa_ros._api.experiment import experiment
     from kapitsa_ros._api.explain import explain
+    from kapitsa_ros._api.figures import figures
     from kapitsa_ros._api.plan import plan
     from kapitsa_ros._api.preset import preset
     from kapitsa_ros._api.read_bag import read_bag
@@ -41,6 +42,7 @@ __all__ = [
     'campaign',
     'experiment',
     'explain',
+    'figures',
     'plan',
     'preset',
     'read_bag',

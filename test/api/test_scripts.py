@@ -23,6 +23,7 @@ SAID = {
     'read_bag': 'angle_rad',
     'reduce': 'inverse ols          171.74 rad/s (1639.99 RPM)',
     'explain': 'inertia_factor',
+    'figures': 'figures/figure_2.svg',
     'plan': 'PlannedProtocol',
     'campaign': 'CampaignResult: 16 experiments, 0 without',
     'experiment': 'ExperimentResult: 3 run(s)',

@@ -17,7 +17,6 @@ from kapitsa_ros.cli.commands.simulate import simulate
 from kapitsa_ros.cli.output_files import write_table
 from kapitsa_ros.errors import OutputError
 from kapitsa_ros.resources import resource_path
-from kapitsa_ros.rig.errors import UsageError
 
 IMPOSSIBLE = ('--speed', '2500', '--release', '0.12', '--duration', '2', '--sample-rate', '0')
 """A run that is refused as soon as it begins."""
@@ -71,7 +70,7 @@ def test_a_figure_that_the_disk_does_not_take_leaves_the_old_one(
 ) -> None:
     figure = pytest.importorskip('matplotlib.figure').Figure()
     figure.subplots().imshow(np.random.default_rng(1).random((300, 300)))
-    monkeypatch.setattr('kapitsa_ros.cli.commands.figures._draw', lambda *_: {2: figure})
+    monkeypatch.setattr('kapitsa_ros.reporting.figures.report_figures', lambda *_: {2: figure})
     fails_to_write(
         lambda: CliRunner().invoke(figures, ['--output', str(tmp_path)], catch_exceptions=False),
         tmp_path / 'figure_2.png',
@@ -88,7 +87,7 @@ def test_simulate_checks_its_output_before_the_work(tmp_path: Path, output: str)
 def test_figures_refuse_a_folder_that_cannot_be_made(tmp_path: Path) -> None:
     (tmp_path / 'file').touch()
     result = CliRunner().invoke(figures, ['--output', str(tmp_path / 'file' / 'figures')])
-    assert isinstance(result.exception, UsageError)
+    assert isinstance(result.exception, OutputError)
 
 
 def test_what_is_no_file_is_written_and_stays(tmp_path: Path) -> None:

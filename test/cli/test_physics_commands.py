@@ -1,5 +1,6 @@
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -179,11 +180,45 @@ def test_study(kapitsa):
     assert abs(values[-1]['growth']) < 1e-9
 
 
-def test_figures(tmp_path):
+SPOILT = {'text.usetex': True, 'font.family': ['serif'], 'lines.linewidth': 9.0, 'savefig.dpi': 30}
+
+
+def test_figures_are_the_same_whatever_matplotlibrc_says(tmp_path):
+    mpl = pytest.importorskip('matplotlib')
+    drawn = answer(figures, '--output', str(tmp_path / 'plain'), '--format', 'svg')['figures']
+    assert [file[-5] for file in drawn] == ['2', '3', '4', '5', '6']
+    with mpl.rc_context(SPOILT):
+        spoilt = answer(figures, '--output', str(tmp_path / 'spoilt' / 'rig.svg'))['figures']
+        assert mpl.rcParams['lines.linewidth'] == 9.0  # the user's own are left as they are
+    assert [Path(file).name for file in spoilt] == [f'rig_{number}.svg' for number in range(2, 7)]
+    assert [Path(file).read_bytes() for file in spoilt] == [Path(file).read_bytes() for file in drawn]
+    assert '>Ω (RPM)</text>' in Path(drawn[-1]).read_text(encoding='utf-8')  # it can be selected
+
+
+@pytest.mark.parametrize(('kind', 'start'), [('png', b'\x89PNG'), ('pdf', b'%PDF')])
+def test_a_figure_in_each_format_tells_no_date(kind, start, tmp_path):
     pytest.importorskip('matplotlib')
-    files = answer(figures, '--output', str(tmp_path / 'drawn'))['figures']
-    assert [file[-5] for file in files] == ['2', '4', '5', '6']
-    assert all((tmp_path / 'drawn' / f'figure_{number}.png').stat().st_size > 10_000 for number in (2, 4, 5, 6))
+    from kapitsa_ros.reporting.figures import FORMATS, save, time_history
+
+    (option,) = (each for each in figures.params if each.name == 'kind')
+    assert set(option.type.choices) == set(FORMATS)
+    files = [tmp_path / f'{number}.{kind}' for number in range(2)]
+    for file in files:
+        save(time_history(Plant(), 2500 * RPM), file, kind)
+    assert files[0].read_bytes() == files[1].read_bytes()
+    assert files[0].read_bytes().startswith(start)
+    assert b'Date' not in files[0].read_bytes()
+
+
+def test_figure_3_is_the_line_of_1997():
+    pytest.importorskip('matplotlib')
+    from kapitsa_ros.configuration.tables import load_table
+    from kapitsa_ros.reporting.figures import report_figures
+
+    (axes,) = report_figures(Plant(), 2500 * RPM, load_table('1997'))[3].axes
+    fitted, measured = axes.lines[0].get_xydata(), axes.lines[1].get_xydata()
+    assert fitted[0] == pytest.approx([0.0, 1640.0], abs=0.05)
+    np.testing.assert_allclose(measured, [[60, 2240], [80, 2640], [60 / 0.68, 2780]])
 
 
 def test_simulate_a_bending_rod(tmp_path):

@@ -13,6 +13,7 @@ import matplotlib as mpl
 from jinja2 import Environment, StrictUndefined
 from markdown_it import MarkdownIt
 
+from kapitsa_ros.reporting.figures.canvas import house_style
 from kapitsa_ros.reporting.report.drawings import drawings_of
 from kapitsa_ros.reporting.report.text import report_text
 from kapitsa_ros.resources import resource_path
@@ -38,7 +39,7 @@ _DOTS = 160  # an inch
 
 def as_html(content: Content) -> str:
     """Return one page that asks nothing of any other file or host; the figures' text can be selected."""
-    drawings = drawings_of(content)
+    drawings = _draw(content)
     drawn = {drawing.name: _svg(drawing) for drawing in drawings}
 
     def figure(found: re.Match[str]) -> str:
@@ -57,7 +58,7 @@ def write_html(content: Content, path: Path) -> None:
 
 def write_markdown(content: Content, path: Path) -> None:
     """Write the text; its figures are in it, as links to data, so that it is one file."""
-    drawings = drawings_of(content)
+    drawings = _draw(content)
     text = report_text(content, drawings)
     for drawing in drawings:
         data = base64.b64encode(_svg(drawing).encode()).decode()
@@ -70,7 +71,7 @@ def write_pdf(content: Content, path: Path) -> None:
     from fpdf import FPDF  # noqa: PLC0415  # takes a third of a second
     from fpdf.fonts import FontFace, TextStyle  # noqa: PLC0415
 
-    drawings = drawings_of(content)
+    drawings = _draw(content)
     pictures = {drawing.name: _png(drawing) for drawing in drawings}
     pdf = FPDF(format='A4')
     pdf.set_title("Kapitsa's stable inverted pendulum")
@@ -110,6 +111,11 @@ WRITERS: dict[str, Callable[[Content, Path], None]] = {
     'pdf': write_pdf,
 }
 """By the format's name, which is its suffix too."""
+
+
+def _draw(content: Content) -> list[Drawing]:
+    with house_style():
+        return drawings_of(content)
 
 
 def _to_html(text: str) -> str:
@@ -175,7 +181,7 @@ def _svg(drawing: Drawing) -> str:
     """Return the figure's drawing alone, with ids of its own, and no date."""
     figure = drawing.figure
     figure.set_size_inches(_WIDTH, _HEIGHT * len(figure.axes))
-    with mpl.rc_context({'svg.hashsalt': drawing.title, 'svg.fonttype': 'none'}):
+    with house_style(), mpl.rc_context({'svg.hashsalt': drawing.title}):
         file = io.StringIO()
         figure.savefig(file, format='svg', metadata={'Date': None, 'Creator': None, 'Format': None, 'Type': None})
     drawn = file.getvalue()
@@ -188,7 +194,8 @@ def _png(drawing: Drawing) -> tuple[io.BytesIO, float]:
     figure = drawing.figure
     figure.set_size_inches(1.3 * _WIDTH, 1.3 * _HEIGHT * len(figure.axes) * (0.8 if len(figure.axes) > 1 else 1.0))
     file = io.BytesIO()
-    figure.savefig(file, format='png', dpi=_DOTS)
+    with house_style():
+        figure.savefig(file, format='png', dpi=_DOTS)
     file.seek(0)
     width, height = figure.get_size_inches()
     return file, float(height / width)

@@ -1,0 +1,36 @@
+"""Figures 2 to 6 of the report, for a rod and its readings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.analysis.line_fit import fit_inverse_ols
+from kapitsa_ros.reporting.figures.canvas import house_style
+from kapitsa_ros.reporting.figures.extrapolation import extrapolation
+from kapitsa_ros.reporting.figures.history import time_history
+from kapitsa_ros.reporting.figures.spectrum import power_spectrum
+from kapitsa_ros.reporting.figures.stability import stability_boundaries
+from kapitsa_ros.reporting.figures.sweep import frequency_sweep
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from kapitsa_ros.analysis.table import Readings
+    from kapitsa_ros.physics.plant import Plant
+
+
+def report_figures(plant: Plant, speed: float, measured: Readings) -> dict[int, Figure]:
+    """Draw the figures of the report by their numbers; Figures 4 and 5 at a speed (rad/s)."""
+    try:
+        line = fit_inverse_ols(measured)
+    except TableError:
+        line = None
+    with house_style():
+        return {
+            2: stability_boundaries(plant, measured.forcing.tolist()),
+            3: extrapolation(None, measured, line),
+            4: time_history(plant, speed),
+            5: power_spectrum(plant, speed),
+            6: frequency_sweep(plant, list(zip(measured.forcing, measured.slow, strict=True))),
+        }
