@@ -9,7 +9,7 @@ EXTRAS ?= all
 # Whatever is started here keeps to this machine.
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
-.PHONY: setup experiment test test-slow test-oldest lint bench bags clean
+.PHONY: setup experiment test test-slow test-oldest lint bench bags trials clean
 
 setup: $(VENV)/.done
 
@@ -41,6 +41,10 @@ lint: setup
 bags: setup
 	rm -rf bags/run_*
 	$(BIN)/kapitsa experiment --preset as_built_1997 --seed 1997 --bags bags
+
+# The virtual experiments on the presets that reports speak of.
+trials: setup
+	$(BIN)/python -m kapitsa_ros.laboratory.preset_trials
 
 bench: setup
 	$(BIN)/python benchmarks/run_all.py

@@ -58,7 +58,8 @@ def report(
     output
         The file to write; its folder must be there.
     experiments
-        Virtual ones on each preset, which say whether a bearing would have given the answer; 40 where not given.
+        Virtual ones to carry out on each preset, which say whether a bearing would have given the answer; where not
+        given, 40 that were carried out beforehand are taken: they depend on nothing that is recorded.
     assumptions
         What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
     format

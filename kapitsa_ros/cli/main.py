@@ -35,6 +35,10 @@ def kapitsa() -> None:
     """Kapitsa's inverted pendulum on a jigsaw: theory, simulation, and the laboratory of 1997 as a ROS 2 graph."""
 
 
+# The matrices here are small: threads would spend more than they save, and sums would follow the number of cores.
+os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+
+
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     interrupt_on_signals()

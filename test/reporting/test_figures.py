@@ -7,7 +7,7 @@ from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
 from kapitsa_ros.reporting import figures
-from kapitsa_ros.reporting.figures.spectrum import amplitudes
+from kapitsa_ros.reporting.figures.spectrum import amplitudes, blackman_harris
 from kapitsa_ros.units import RPM
 
 PLANT = Plant()
@@ -28,6 +28,13 @@ def test_spectrum_has_lines_at_the_slow_frequency_and_its_sidebands_and_none_bet
     assert line(2500 - slow) / line(slow) == pytest.approx(lower, rel=0.2)
     assert line(2500 + slow) / line(slow) == pytest.approx(upper, rel=0.2)
     assert line(2500) < 1e-6 * line(slow)
+
+
+@pytest.mark.parametrize('size', [2, 8, 2001])
+def test_the_window_is_that_of_scipy(size):
+    from scipy.signal import get_window
+
+    np.testing.assert_array_equal(blackman_harris(size), get_window('blackmanharris', size))
 
 
 def test_time_history_is_the_motion():

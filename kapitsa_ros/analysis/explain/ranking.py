@@ -109,6 +109,11 @@ def explain(readings: Readings, plant: Plant, causes: Sequence[Cause] = CAUSES) 
     )
 
 
+def fit_cause(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
+    """Fit one cause; its weight, which takes others to weigh it against, is nan."""
+    return replace(_fit(cause, _remembered(cause, plant, readings.forcing), readings, plant), weight=math.nan)
+
+
 def _other_errors(readings: Readings, plant: Plant, tried: _Tried, name: str, factor: float) -> OtherErrors:
     ranking, _ = _ranked(replace(readings, period_sigma=factor * readings.period_sigma), plant, tried)
     first = ranking.explanations[0]

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.explain import CAUSES, explain
-from kapitsa_ros.analysis.table import PERIOD_SIGMA
+from kapitsa_ros.analysis.explain import CAUSES, fit_cause
+from kapitsa_ros.analysis.table import PERIOD_SIGMA, require_two_speeds
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.explain import Cause
+    from kapitsa_ros.analysis.explain import Cause, Ranking
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.plant import Plant
 
@@ -41,12 +41,19 @@ class Separation:
 
 
 def best_separation(
-    readings: Readings, plant: Plant, first: str, second: str, period_sigma: float = PERIOD_SIGMA
+    readings: Readings,
+    plant: Plant,
+    first: str,
+    second: str,
+    period_sigma: float = PERIOD_SIGMA,
+    *,
+    ranking: Ranking | None = None,
 ) -> Separation:
     """Fit both causes to the readings, and find the run whose period they differ on most.
 
-    Tried are other speeds with the swing as before, and the same with a swing kept small: the period against the
-    amplitude, which only a wide swing answers to.
+    Where all causes have been ranked already, the ranking has the fits. Tried are other speeds with the swing as
+    before, and the same with a swing kept small: the period against the amplitude, which only a wide swing answers
+    to.
 
     Raises
     ------
@@ -57,7 +64,9 @@ def best_separation(
     if first == second:
         raise AnalysisError(f'{first} and {second} are one explanation: name two to tell apart')
     causes = [_cause(name) for name in (first, second)]
-    verdict = {fitted.name: fitted for fitted in explain(readings, plant, causes).explanations}
+    require_two_speeds(readings)
+    fits = ranking.explanations if ranking else [fit_cause(cause, readings, plant) for cause in causes]
+    verdict = {fitted.name: fitted for fitted in fits}
     for cause in causes:
         if not verdict[cause.name].fits:
             raise AnalysisError(f'{cause.name} fits the readings at no value: it is ruled out already')

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    from matplotlib.axes import Axes
+
 INK, BLUE, ORANGE, GREY = '#222222', '#0072b2', '#d55e00', '#999999'  # distinct to every eye
 FORMATS = ('png', 'svg', 'pdf')
 """Of a figure's file; the format's name is its suffix too."""
+
+_RAISED = str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹')
 
 # What a file would otherwise tell of the hour at which it was made.
 _UNDATED = {'png': {}, 'svg': {'Date': None}, 'pdf': {'CreationDate': None}}
@@ -38,6 +44,12 @@ def blank(title: str, panels: int = 1, *, stacked: bool = False) -> Figure:
         axes.grid(color='#e5e5e5', linewidth=0.6)
         axes.set_axisbelow(True)
     return figure
+
+
+def write_powers(axes: Axes) -> None:
+    """Write the powers of ten at a logarithmic axis in plain signs: as formulas they take as long as the drawing."""
+    axes.yaxis.set_major_formatter(lambda value, _: '10' + str(round(math.log10(value))).translate(_RAISED))
+    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def save(figure: Figure, path: Path, kind: str) -> None:

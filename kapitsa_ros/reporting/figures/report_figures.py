@@ -32,5 +32,5 @@ def report_figures(plant: Plant, speed: float, measured: Readings) -> dict[int, 
             3: extrapolation(None, measured, line),
             4: time_history(plant, speed),
             5: power_spectrum(plant, speed),
-            6: frequency_sweep(plant, list(zip(measured.forcing, measured.slow, strict=True))),
+            6: frequency_sweep(plant, list(zip(measured.forcing, measured.slow, strict=True)), readings=measured),
         }

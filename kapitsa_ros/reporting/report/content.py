@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -21,10 +22,8 @@ from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
-from kapitsa_ros.configuration.presets import load_preset
-from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import perform_all, summarise
-from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.laboratory.preset_trials import shipped_outcomes, trial_experiment, trial_plants
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.physics.theory.play import omega_crit_with_play
@@ -39,17 +38,11 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.recorded_run import RecordedRun
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.analysis.timing_row import TimingRow
-    from kapitsa_ros.laboratory.campaign import Campaign
+    from kapitsa_ros.laboratory.campaign import Campaign, Outcome
 
 _Fit = TypeVar('_Fit')
 
-EXPERIMENTS = 40
-"""Virtual experiments for each preset."""
-
 TARGET_PERCENT = 3.0
-
-AS_BUILT_ON_BEARING = 'bearing, inertia as built'
-"""Name of the trial in which only friction and play were mended."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,6 +96,8 @@ class Content:
     truth: float | None
     verdicts: tuple[tuple[str, Ranking], ...]
     trials: tuple[Trial, ...]
+    beforehand: bool
+    """Whether the experiments of the trials are those that are shipped."""
     plan: Plan | None
     separation: Separation
 
@@ -111,10 +106,10 @@ def gather(
     runs: Sequence[RecordedRun],
     of_1997: Readings,
     assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
-    experiments: int = EXPERIMENTS,
+    experiments: int | None = None,
     on_progress: Callable[[str], None] = lambda _: None,
 ) -> Content:
-    """Work out everything the report says, with `experiments` virtual ones for each preset.
+    """Work out everything the report says, with the shipped experiments on each preset or as many new ones.
 
     Raises
     ------
@@ -135,10 +130,11 @@ def gather(
     verdicts = [('the readings of 1997', explain(of_1997, Plant()))]
     if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
-    trials = []
-    for name, each in _plants().items():
-        on_progress(f'{experiments} virtual experiments: {name}')
-        trials.append(_trial(name, each, experiments))
+    trials, shipped = [], shipped_outcomes() if experiments is None else {}
+    for name, each in trial_plants().items():
+        on_progress(f'virtual experiments: {name}')
+        outcomes = shipped[name] if experiments is None else perform_all(trial_experiment(each), experiments)
+        trials.append(_trial(name, each, list(outcomes)))
     on_progress('planning')
     return Content(
         runs=tuple(runs),
@@ -155,8 +151,9 @@ def gather(
         truth=true_threshold(plant),
         verdicts=tuple(verdicts),
         trials=tuple(trials),
+        beforehand=experiments is None,
         plan=_plan(nominal),
-        separation=best_separation(of_1997, Plant(), 'inertia_factor', 'large_swing'),
+        separation=best_separation(of_1997, Plant(), 'inertia_factor', 'large_swing', ranking=verdicts[0][1]),
     )
 
 
@@ -194,19 +191,8 @@ def _or_none(fit: Callable[[Readings], _Fit], readings: Readings) -> _Fit | None
         return None  # one speed, or no rise
 
 
-def _plants() -> dict[str, Plant]:
-    """Return the presets, and the rod as built on the bearing: no bearing changes its inertia."""
-    kappa = load_preset('as_built_1997').inertia_factor
-    plants = {preset.replace('_', ' '): load_preset(preset) for preset in ('ideal', 'bearing', 'as_built_1997')}
-    return plants | {AS_BUILT_ON_BEARING: load_preset('bearing', {'inertia_factor': kappa})}
-
-
-def _trial(name: str, plant: Plant, experiments: int) -> Trial:
-    experiment = SimulatedExperiment(
-        plant=plant, instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
-    )
+def _trial(name: str, plant: Plant, outcomes: Sequence[Outcome]) -> Trial:
     truth = omega_crit_with_play(plant)
-    outcomes = list(perform_all(experiment, experiments))
     lines = [outcome.inverse_ols for outcome in outcomes if outcome.inverse_ols is not None]
     middle, low, high = np.quantile(lines, (0.5, 0.16, 0.84)).tolist() if lines else (np.nan,) * 3
     return Trial(
@@ -218,6 +204,7 @@ def _trial(name: str, plant: Plant, experiments: int) -> Trial:
     )
 
 
+@cache  # the ideal rod's is asked for twice
 def _plan(plant: Plant) -> Plan | None:
     try:
         return cheapest_plan(plant, load_instruments('1997'), TARGET_PERCENT)

@@ -13,7 +13,7 @@ from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
-from kapitsa_ros.reporting.figures.canvas import BLUE, GREY, INK, ORANGE, blank
+from kapitsa_ros.reporting.figures.canvas import BLUE, GREY, INK, ORANGE, blank, write_powers
 from kapitsa_ros.reporting.figures.spectrum import amplitudes
 from kapitsa_ros.units import RPM
 
@@ -103,6 +103,7 @@ def recorded_spectrum(recorded: RecordedRun) -> Figure:
     forcing = recorded.run.speed_asked / RPM
     shown = rpm <= 1.25 * forcing
     axes.semilogy(rpm[shown], amplitude[shown], color=BLUE, linewidth=0.7)
+    write_powers(axes)
     axes.axvline(forcing, color=INK, linewidth=0.6, linestyle=':')
     axes.text(forcing, 0.02, ' ω', transform=axes.get_xaxis_transform(), fontsize=8, color=INK)
     height = float(amplitude.max())
