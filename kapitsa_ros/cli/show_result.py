@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-
 from kapitsa_ros.cli.options import print_json
+from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import budget_sentences
 from kapitsa_ros.reporting.conclusion import conclusion
@@ -26,22 +25,17 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
     if as_json:
         print_json(values)
         return
-    console = Console()
     for table in report_tables(values, plant):
-        console.print(table)
-    for sentence in [*repairs(values), *allowances(*(values[name] for name in _ALLOWED))]:
-        console.print(sentence)
+        show_table(table)
+    say([*repairs(values), *allowances(*(values[name] for name in _ALLOWED))])
     if 'budget' in values:
         show_budget(values['budget'])
-    for sentence in conclusion(values):
-        console.print(sentence)
+    say(conclusion(values))
 
 
 def show_budget(values: Mapping[str, Any]) -> None:
     """Print an uncertainty budget."""
     from kapitsa_ros.reporting.report_tables import budget_table  # noqa: PLC0415  # loads the analysis
 
-    console = Console()
-    console.print(budget_table(values))
-    for sentence in budget_sentences(values):
-        console.print(sentence)
+    show_table(budget_table(values))
+    say(budget_sentences(values))

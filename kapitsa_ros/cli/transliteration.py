@@ -32,6 +32,23 @@ def _ascii(sign: str) -> str:
     return plain or sign.encode('ascii', 'backslashreplace').decode()
 
 
+def showable(text: str, encoding: str) -> str:
+    """Return a text in which the signs that an encoding lacks are written out."""
+    try:
+        text.encode(encoding)
+    except UnicodeEncodeError:
+        return ''.join(sign if _is_known(sign, encoding) else _ascii(sign) for sign in text)
+    return text
+
+
+def _is_known(sign: str, encoding: str) -> bool:
+    try:
+        sign.encode(encoding)
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def write_out_unknown_signs() -> None:
     """Let stdout and stderr write out what their encoding lacks, instead of failing."""
     codecs.register_error(NAME, _handle)
