@@ -118,6 +118,13 @@ def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fracti
     return number * factor
 
 
+def written_unit(text: str, unit: str) -> tuple[str, float] | None:
+    """Return the unit that a quantity is written with, and how much of the SI unit it is; None without one."""
+    match = _WRITTEN.fullmatch(text)
+    factor = _factor(match['unit'], unit, 1.0) if match and match['unit'] else None
+    return (match['unit'], float(factor)) if match and factor is not None else None
+
+
 def _factor(written: str | None, unit: str, bare: float | Fraction) -> float | Fraction | None:
     if not written:
         return bare

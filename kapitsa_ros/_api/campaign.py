@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros._api.inputs import as_instruments, as_plant, as_protocol
+from kapitsa_ros._api.inputs import as_assumptions, as_instruments, as_plant, as_protocol
 from kapitsa_ros._api.result import describe, figures, speed_text
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.laboratory.campaign import Cores, efficiency, perform_all, summarise
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.physics.theory.play import omega_crit_with_play
+from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from kapitsa_ros._api.inputs import AnyInstruments, AnyPlant, AnyProtocol
+    from kapitsa_ros._api.inputs import AnyAssumptions, AnyInstruments, AnyPlant, AnyProtocol
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
 
     Progress = Callable[[Iterator[Outcome]], Iterable[Outcome]]
@@ -46,6 +48,8 @@ class CampaignResult:
     summary: Campaign
     wall: float
     """s that the experiments took."""
+    assumptions: Assumptions
+    """What the analysis took for granted."""
     efficiency: float
     """Seconds of computing in the experiments over those that the workers had."""
 
@@ -56,6 +60,7 @@ class CampaignResult:
             median=speed_text(found.omega_crit[0]),
             truth=speed_text(self.truth),
             coverage=f'{100.0 * found.coverage:.1f} % of the 95 % intervals hold the truth',
+            intervals_allow_for=allowed(asdict(self.assumptions)),
             width=f'{speed_text(found.width)} (median), {found.unbounded} unbounded',
         )
 
@@ -84,6 +89,7 @@ def campaign(
     instruments: AnyInstruments = '1997',
     protocol: AnyProtocol = '1997',
     scheduler: str | None = None,
+    assumptions: AnyAssumptions = None,
     progress: Progress = iter,
 ) -> CampaignResult:
     """Carry out many whole experiments in process, and count how often their intervals tell the truth.
@@ -101,6 +107,8 @@ def campaign(
     scheduler
         Address of a Dask cluster; without it all cores of this machine compute, in processes of their own (a script
         that calls this needs `if __name__ == '__main__':` where processes are spawned).
+    assumptions
+        What the analysis takes for granted: `Assumptions`, or those that are not the usual ones by their names.
     progress
         Wraps the outcomes as they come, as `rich.progress.track` does.
 
@@ -127,8 +135,9 @@ def campaign(
     )
     truth = omega_crit_with_play(rod)
     workers = DaskCluster(scheduler) if scheduler else Cores()
+    taken = as_assumptions(assumptions)
     begin = time.perf_counter()
-    outcomes = list(progress(perform_all(simulated, experiments, workers)))
+    outcomes = list(progress(perform_all(simulated, experiments, workers, taken)))
     wall = time.perf_counter() - begin
     return CampaignResult(
         seed=np.array([outcome.seed for outcome in outcomes]),
@@ -138,6 +147,7 @@ def campaign(
         truth=truth,
         summary=summarise(outcomes, truth),
         wall=wall,
+        assumptions=taken,
         efficiency=efficiency(outcomes, wall, workers.count),
     )
 

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kapitsa_ros._api.inputs import as_instruments, as_plant
+from kapitsa_ros._api.inputs import as_assumptions, as_instruments, as_plant
 from kapitsa_ros._api.result import describe, interval_text, speed_text, speeds_text
 from kapitsa_ros.data_frame import data_frame
+from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.rig.setup import Setup
 from kapitsa_ros.units import RPM
 
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
-    from kapitsa_ros._api.inputs import AnyInstruments, AnyPlant
+    from kapitsa_ros._api.inputs import AnyAssumptions, AnyInstruments, AnyPlant
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -53,6 +54,7 @@ class ExperimentResult:
             speeds_read=speeds_text(self.speed_reading[np.isfinite(self.speed_reading)]),
             critical_speed=speed_text(self.omega_crit),
             interval=interval_text(self.omega_crit_interval),
+            interval_allows_for=allowed(self.values['assumptions']),
             predicted=speed_text(self.predicted),
             truth=speed_text(self.truth),
             errors_beyond_stated=_percent(self.values['discrepancy_percent']),
@@ -80,6 +82,7 @@ def experiment(
     bags: str | Path = 'runs',
     rate: float = 0.0,
     storage: str = 'mcap',
+    assumptions: AnyAssumptions = None,
     on_progress: Callable[[dict[str, str]], None] | None = None,
 ) -> ExperimentResult:
     """Run the laboratory: nodes carry out the protocol, each run is recorded to a bag, and all are reduced.
@@ -102,6 +105,8 @@ def experiment(
         Simulated over wall seconds; 0: as fast as it can.
     storage
         Of the bags: mcap or sqlite3.
+    assumptions
+        What the analysis takes for granted: `Assumptions`, or those that are not the usual ones by their names.
     on_progress
         Called with how far the graph is.
 
@@ -133,7 +138,7 @@ def experiment(
         bags=Path(bags),
         storage=storage,
     )
-    values = run_experiment(setup, on_progress or (lambda _: None))
+    values = run_experiment(setup, on_progress or (lambda _: None), as_assumptions(assumptions))
     runs = values['runs']
     interval = values['omega_crit_interval_rpm']
     return ExperimentResult(

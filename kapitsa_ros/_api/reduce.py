@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +22,7 @@ from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.quantities import to_si
+from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -97,6 +98,7 @@ class Reduction:
             f'Reduction of {self.readings.period.size} readings',
             exact_curve=speed_text(self.omega_crit),
             its_interval=interval_text(self.omega_crit_interval),
+            allowed_for=allowed(asdict(self.assumptions)),
             ols=speed_text(self.ols),
             inverse_ols=speed_text(self.inverse_ols),
             errors_in_variables=speed_text(self.eiv),

@@ -14,7 +14,7 @@ from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.network.errors import RunError
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterable, Iterator, Sequence
     from fractions import Fraction
 
     from kapitsa_ros.network.run import Run
@@ -70,6 +70,11 @@ class TimingRow:
             wrong = f'{100.0 * self.miscount_probability:.0f} %'
             return f'{where}{self.swings} swings counted; {wrong} probable to be wrong: the interval allows for it'
         return None
+
+
+def untold_releases(rows: Iterable[TimingRow]) -> int:
+    """Return how many timings do not tell from how far the rod was let go: they count as those of small swings."""
+    return sum(row.kind == 'timed' and row.unused is None and row.release is None for row in rows)
 
 
 def timing_rows(runs: Sequence[Run], dial_u: float = 0.0) -> list[TimingRow]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from kapitsa_ros.analysis.critical_speed import fit_timings, ruler_of
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
@@ -62,12 +64,13 @@ class Campaign:
     unbounded: int
 
 
-def perform(experiment: SimulatedExperiment, seed: int) -> Outcome:
+def perform(experiment: SimulatedExperiment, seed: int, assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> Outcome:
     """Carry out one experiment and reduce its readings."""
     begin = time.process_time()
     seeded = replace(experiment, seed=seed)
     runs = seeded.runs()
-    found = fit_timings(timing_rows(runs), ruler_of(runs[0]), experiment.plant.gravity)
+    rows = timing_rows(runs, assumptions.dial_u)
+    found = fit_timings(rows, ruler_of(runs[0]), experiment.plant.gravity, assumptions)
     fit, evidence = found.best, found.evidence
     return Outcome(
         seed=seed,
@@ -107,7 +110,12 @@ def _leave_interrupts_to_the_parent() -> None:
         signal.signal(number, signal.SIG_IGN)
 
 
-def perform_all(experiment: SimulatedExperiment, experiments: int, workers: Workers | None = None) -> Iterator[Outcome]:
+def perform_all(
+    experiment: SimulatedExperiment,
+    experiments: int,
+    workers: Workers | None = None,
+    assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
+) -> Iterator[Outcome]:
     """Carry out many experiments, with seeds from 1 on, by default on all cores of this machine.
 
     Outcomes come in the order of their seeds and depend on nothing else.
@@ -120,7 +128,9 @@ def perform_all(experiment: SimulatedExperiment, experiments: int, workers: Work
     """
     if experiments < 1:
         raise AnalysisError(f'{experiments} experiments: carry out one or more')
-    yield from (workers or Cores()).map(partial(perform, experiment), range(1, experiments + 1))
+    yield from (workers or Cores()).map(
+        partial(perform, experiment, assumptions=assumptions), range(1, experiments + 1)
+    )
 
 
 def efficiency(outcomes: Sequence[Outcome], wall: float, workers: int) -> float:

@@ -20,7 +20,16 @@ def allowances(
     if play_probability is None or heavy_damping_probability is None or effective_rods is None:
         return []
     play, heavy = _in_percent(play_probability), _in_percent(heavy_damping_probability)
-    allowed = [
+    seen = f'play is {play} probable, and more than light damping {heavy}'
+    said = [f'the interval allows for {allowed(assumed)}; by these readings, {seen}']
+    if effective_rods < _FEW:
+        said.append(f'few rods of the sample explain readings so exact ({effective_rods:.0f}): its ends are rough')
+    return said
+
+
+def allowed(assumed: Mapping[str, float]) -> str:
+    """Return what intervals allow for by what is taken for granted."""
+    named = [
         f'{name} up to {factor * assumed[limit]:.3g}{unit}'
         for name, probability, limit, factor, unit in (
             ('play', 'play_probability', 'play_limit', 1e3, ' mm'),
@@ -28,16 +37,12 @@ def allowances(
         )
         if assumed[probability]
     ]
-    allowed += [
+    named += [
         f'{what} of u = {100.0 * assumed[name]:.3g} %'
         for name, what in (('stopwatch_rate_u', "an error of the stopwatch's rate"), ('dial_u', 'an error of the dial'))
         if assumed[name]
     ]
-    seen = f'play is {play} probable, and more than light damping {heavy}'
-    said = [f'the interval allows for {", ".join(allowed) or "light damping alone"}; by these readings, {seen}']
-    if effective_rods < _FEW:
-        said.append(f'few rods of the sample explain readings so exact ({effective_rods:.0f}): its ends are rough')
-    return said
+    return ', '.join(named) or 'light damping alone'
 
 
 def _in_percent(probability: float) -> str:

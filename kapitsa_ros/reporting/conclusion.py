@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.units import interval_text, is_within
+import numpy as np
+
+from kapitsa_ros.laboratory.preset_trials import shipped_outcomes
+from kapitsa_ros.units import RPM, interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -29,8 +32,17 @@ def conclusion(values: Mapping[str, Any]) -> list[str]:
             'is not what theory takes it for.'
         )
     if values['inverse_rpm'] is not None:
-        said.append(
-            f'The fit of 1997 gives {values["inverse_rpm"]:.0f} RPM; it extrapolates far beyond the readings and '
-            'scatters with them, so that its error alone says little (`kapitsa report` tells how much).'
-        )
+        said.append(_of_the_fit(values['inverse_rpm']))
     return said
+
+
+def _of_the_fit(rpm: float) -> str:
+    """Return what the line of 1997 is worth: what it makes of an ideal rod, with the instruments of 1997."""
+    lines = [each.inverse_ols / RPM for each in shipped_outcomes()['ideal'] if each.inverse_ols is not None]
+    low, high = np.quantile(lines, (0.16, 0.84)).tolist()
+    verdict = 'its deviation from theory alone says nothing' if low <= rpm <= high else 'this one lies outside of that'
+    return (
+        f'The fit of 1997 gives {rpm:.0f} RPM. It extrapolates far beyond the readings and scatters with them: on an '
+        f'ideal rod, with the instruments and speeds of 1997, it gives {low:.0f} to {high:.0f} RPM (16 to 84 % of '
+        f'{len(lines)} experiments), so {verdict}.'
+    )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.rig.setup import Replay, Setup
     from kapitsa_ros.ros.time_control_client import TimeControlClient
 
@@ -38,7 +40,9 @@ LEAVING = 1.0
 """Seconds after which a node that ended without an error, before the session was over, is missing."""
 
 
-def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
+def run_experiment(
+    setup: Setup, on_progress: Progress, assumptions: Assumptions = DEFAULT_ASSUMPTIONS
+) -> dict[str, Any]:
     """Start the graph, carry out the protocol, record a bag a run, and analyse the bags.
 
     Raises
@@ -57,7 +61,7 @@ def run_experiment(setup: Setup, on_progress: Progress) -> dict[str, Any]:
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': float(monitor.progress['realtime_factor'])}
-    return analyse_bags(bags) | made
+    return analyse_bags(bags, assumptions) | made
 
 
 def replay_bags(

@@ -131,3 +131,10 @@ def test_terminals_that_are_narrow_or_know_no_greek_lose_nothing(kapitsa, whole,
 def test_signs_are_written_out():
     written = transliterate('Ω² = k²λ²ω²/2 − kg ± 1 µm, θ′ é 中')
     assert written == "Omega^2 = k^2lambda^2omega^2/2 - kg +/- 1 um, theta' e \\u4e2d"
+
+
+def test_bag_info_says_whether_the_run_is_whole_and_what_to_do_next():
+    text = ' '.join(output(bag, 'info', BAGS[0]).split())
+    assert 'simulated time (s) │ 15.5 │' in text
+    assert 'The run is whole: it came to its end' in text
+    assert f'Next: `kapitsa analyse {BAGS[0]}`' in text.replace('\n', '')

@@ -82,7 +82,20 @@ def test_plan_has_the_keys_of_the_contract():
 
 def test_plan_says_where_no_timing_decides():
     said = CliRunner().invoke(plan, ['--target', '3']).stdout
-    assert 'to tell inertia_factor from large_swing: time a swing of 0.05 rad' in said
+    assert 'To tell inertia_factor from large_swing: time a swing of 0.05 rad' in said
     # where the rod was built so slow, a slower one and a wide swing are both next to nothing
     built = CliRunner().invoke(plan, ['--target', '3', '--inertia-factor', '0.7069']).stdout
-    assert 'no single timing tells inertia_factor from large_swing' in built
+    assert 'No single timing tells inertia_factor from large_swing' in built
+
+
+def test_what_is_taken_for_granted_widens_intervals_and_is_said() -> None:
+    plain, doubted = (
+        CliRunner().invoke(campaign, ['--experiments', '1', *more, '--json'])
+        for more in ([], ['--assume', 'dial_u=0.03'])
+    )
+    widths = [json.loads(result.stdout)['interval_width_rpm']['median'] for result in (plain, doubted)]
+    assert widths[1] > 1.2 * widths[0]
+    said = (
+        CliRunner().invoke(campaign, ['--experiments', '1', '--assume', 'dial_u=0.03'], env={'COLUMNS': '120'}).stdout
+    )
+    assert 'each interval allows for play up to 2.5 mm, damping up to 6 1/s, an error of the dial of u = 3 %' in said

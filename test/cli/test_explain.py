@@ -12,7 +12,20 @@ def test_json_has_the_keys_of_the_contract_and_nothing_else_on_stdout(kapitsa):
 
 
 def test_text_names_every_cause():
-    output = CliRunner().invoke(explain, []).stdout
+    output = CliRunner().invoke(explain, [], env={'COLUMNS': '120'}).stdout
     for name in ('inertia_factor', 'strobe_alias', 'clearance', 'instruments'):
         assert name in output
     assert 'none fits' in output
+
+
+def test_text_has_values_with_units_beside_nominal_ones_and_ends_with_what_to_do():
+    output = ' '.join(CliRunner().invoke(explain, [], env={'COLUMNS': '200'}).stdout.split())
+    assert '│ amplitude │ λ │ 9.81 mm │ 9.53 to 10.1 │ 12.7 mm │' in output
+    assert 'These readings cannot tell apart: inertia_factor, large_swing' in output
+    assert 'Next: `kapitsa plan --target 1 --between inertia_factor large_swing`' in output
+
+
+def test_json_says_in_which_unit_a_value_is(kapitsa):
+    units = {each['name']: each['unit'] for each in kapitsa('explain', '--json').json['explanations']}
+    assert (units['amplitude'], units['large_swing'], units['stopwatch_scale']) == ('m', 'rad', '')
+    assert (units['damping'], units['coulomb'], units['instruments']) == ('1/s', 'rad/s²', '')

@@ -174,6 +174,29 @@ def test_what_would_take_for_ever_or_has_no_answer_is_refused(command, arguments
     assert re.search(message, str(error))
 
 
+def words(command, *arguments):
+    return ' '.join(CliRunner().invoke(command, arguments, env={'COLUMNS': '120'}).stdout.split())
+
+
+def test_what_was_typed_in_a_unit_is_answered_in_it():
+    said = words(simulate, '--speed', '41.5Hz', '--release', '7deg', '--duration', '2')
+    assert 'Shaken at 41.5 Hz, let go at 7 deg, followed for 2 s.' in said
+    assert re.search(r'slow swing Ω │ 1\.89\d* Hz', said)  # 113.7 RPM
+    assert re.search(r'largest angle │ 8\.\d+ deg', said)
+    said = words(theory, '--speed', '41.5Hz', '--speed', '1200')
+    assert '1354.80 RPM (22.5801 Hz)' in said
+    assert '41.5 Hz │ stands' in said
+    assert '1200 RPM │ falls' in said
+
+
+def test_what_becomes_of_a_rod_is_said_in_words():
+    assert 'It stands: it swings about upright, and the swing neither grows nor dies.' in words(simulate, *RUN)
+    fallen = words(simulate, '--speed', '1200', '--release', '0.12', '--duration', '5')
+    assert 'It fell. Next: `kapitsa theory`' in fallen
+    assert 'stands upright above 1354.8 RPM' in words(theory)
+    assert 'its angle grows tenfold in 0.64 s' in words(theory, '--speed', '1200')  # ln 10 / 3.5986
+
+
 def test_study(kapitsa):
     values = kapitsa('study', '--duration', '3', '--cycles', '1000', '--json').json['verdicts']
     assert values[-1]['solver'] == 'ours, 1000 cycles'

@@ -91,3 +91,11 @@ def test_missing_file_is_named_as_it_was_given():
     error = CliRunner().invoke(reduce, ['/nowhere/1997.csv']).exception
     assert isinstance(error, TableError)
     assert "no table '/nowhere/1997.csv'" in str(error)
+
+
+def test_timings_without_a_release_are_said_to_be_taken_as_small_swings(tmp_path):
+    said = 'timings without a release angle are taken as small swings'
+    assert f'{said}: 3' in run()
+    table = tmp_path / 'told.csv'
+    table.write_text('forcing_rpm,period_s,release_rad\n2240,1.00,0.12\n2640,0.75,0.12\n2780,0.68,0.12\n')
+    assert said not in run(str(table))

@@ -44,8 +44,19 @@ class Cause:
     """Number of parameters."""
     least: float | None = None
     """Value below which there is none by its nature."""
+    nominal: str | float | None = None
+    """Its value where nothing is wrong: a number, or that of the plant's parameter of this name; None without one."""
     is_release: bool = False
     """Whether the parameter is the angle of the release, which a further run could choose."""
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the parameter; empty of a ratio."""
+        return self.parameter.rpartition(', ')[2] if ', ' in self.parameter else ''
+
+    def nominal_of(self, plant: Plant) -> float | None:
+        """Return the value of the parameter where nothing is wrong with the plant."""
+        return getattr(plant, self.nominal) if isinstance(self.nominal, str) else self.nominal
 
 
 def small_swing(plant: Plant, speed: float) -> float:
@@ -110,21 +121,29 @@ def _nothing(_plant: Plant, _readings: Readings) -> NDArray[np.float64]:
 
 
 CAUSES = (
-    Cause(name='inertia_factor', parameter='κ', periods=_of_plant('inertia_factor'), values=_over(0.2, 3.0, 60)),
+    Cause(
+        name='inertia_factor',
+        parameter='κ',
+        periods=_of_plant('inertia_factor'),
+        values=_over(0.2, 3.0, 60),
+        nominal='inertia_factor',
+    ),
     Cause(
         name='large_swing',
         parameter='release angle, rad',
         periods=lambda plant, speeds, value: np.array([_wide_swing(plant, float(speed), value) for speed in speeds]),
         values=_over(0.01, 1.5, 40),
         least=0.0,
+        nominal=0.0,
         is_release=True,
     ),
-    Cause(name='amplitude', parameter='λ, m', periods=_of_plant('amplitude'), values=_strokes),
+    Cause(name='amplitude', parameter='λ, m', periods=_of_plant('amplitude'), values=_strokes, nominal='amplitude'),
     Cause(
         name='amplitude_three_eighths_inch',
         parameter='λ, m',
         periods=_of_plant('amplitude'),
         values=lambda _plant, _readings: np.array([THREE_EIGHTHS_INCH]),
+        nominal='amplitude',
         discrete=True,
         tuned=0,
     ),
@@ -133,18 +152,21 @@ CAUSES = (
         parameter='displayed over true time',
         periods=lambda plant, speeds, value: value * _theory(plant, speeds),
         values=_over(0.3, 3.0, 60),
+        nominal=1.0,
     ),
     Cause(
         name='stopwatch_offset',
         parameter='added to each period, s',
         periods=lambda plant, speeds, value: _theory(plant, speeds) + value,
         values=_over(-1.0, 1.0, 60),
+        nominal=0.0,
     ),
     Cause(
         name='miscount',
         parameter='swings made over swings counted',
         periods=lambda plant, speeds, value: value * _theory(plant, speeds),
         values=_miscounts,
+        nominal=1.0,
         discrete=True,
     ),
     Cause(
@@ -152,11 +174,23 @@ CAUSES = (
         parameter='read over true speed',
         periods=lambda plant, speeds, value: _theory(plant, speeds / value),
         values=_aliases,
+        nominal=1.0,
         discrete=True,
     ),
-    Cause(name='damping', parameter='c, 1/s', periods=_of_plant('damping'), values=_dampings, least=0.0),
-    Cause(name='coulomb', parameter='f, rad/s²', periods=_of_run('coulomb'), values=_over(0.0, 4.0, 17), least=0.0),
-    Cause(name='clearance', parameter='D, m', periods=_of_run('clearance'), values=_plays, least=0.0),
+    Cause(
+        name='damping', parameter='c, 1/s', periods=_of_plant('damping'), values=_dampings, least=0.0, nominal='damping'
+    ),
+    Cause(
+        name='coulomb',
+        parameter='f, rad/s²',
+        periods=_of_run('coulomb'),
+        values=_over(0.0, 4.0, 17),
+        least=0.0,
+        nominal='coulomb',
+    ),
+    Cause(
+        name='clearance', parameter='D, m', periods=_of_run('clearance'), values=_plays, least=0.0, nominal='clearance'
+    ),
     Cause(
         name='instruments',
         parameter='',

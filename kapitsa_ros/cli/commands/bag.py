@@ -7,6 +7,8 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.cli.options import json_option, print_json
+from kapitsa_ros.cli.terminal import say, show_table
+from kapitsa_ros.reporting.bag_text import bag_conclusion, bag_table
 
 
 @click.group(no_args_is_help=False)
@@ -36,5 +38,5 @@ def info(*, path: Path, as_json: bool) -> None:
     if as_json:
         print_json(values)
         return
-    for name, value in values.items():
-        click.echo(f'{name:14} {value}')
+    show_table(bag_table(values))
+    say(bag_conclusion(values, opened.run, str(path)))

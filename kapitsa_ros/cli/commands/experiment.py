@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros._api.experiment import experiment as call
-from kapitsa_ros.cli.options import SEED, instrument_options, json_option, plant_options, rate_option
+from kapitsa_ros.cli.options import SEED, assumption_option, instrument_options, json_option, plant_options, rate_option
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.recording.writer import STORAGES
 
 if TYPE_CHECKING:
+    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 @click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
 @rate_option
 @click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
+@assumption_option
 @json_option
 def experiment(
     *,
@@ -38,6 +40,7 @@ def experiment(
     protocol: str,
     rate: float,
     storage: str,
+    assumptions: Assumptions,
     as_json: bool,
 ) -> None:
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
@@ -52,6 +55,7 @@ def experiment(
             bags=bags,
             rate=rate,
             storage=storage,
+            assumptions=assumptions,
             on_progress=on_progress,
         )
     show_result(found.values, plant, as_json=as_json)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING
 
@@ -11,8 +10,8 @@ import click
 from kapitsa_ros._api.explain import explain as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
 from kapitsa_ros.cli.table_argument import table_argument
-from kapitsa_ros.reporting.explanation import error_sentences
-from kapitsa_ros.units import interval_text
+from kapitsa_ros.cli.terminal import say, show_table
+from kapitsa_ros.reporting.explanation import error_sentences, explanation_conclusion, explanation_table, unit_of
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.explain import Explanation
@@ -44,29 +43,14 @@ def explain(table: TimingTable, plant: Plant, *, as_json: bool) -> None:
             }
         )
         return
-    click.echo(f'{"cause":28} {"value":>11} {"95 %":>22} {"misfit":>9} {"weight":>7}   parameter')
-    for explanation in verdict.explanations:
-        click.echo(_line(explanation))
-    if verdict.indistinguishable:
-        click.echo(f'the readings cannot tell apart: {", ".join(verdict.indistinguishable)}')
-    for sentence in error_sentences(verdict.period_sigma, verdict.with_other_errors):
-        click.echo(sentence)
+    show_table(explanation_table(verdict.explanations, plant))
+    say(error_sentences(verdict.period_sigma, verdict.with_other_errors))
+    say(explanation_conclusion(verdict.explanations, verdict.indistinguishable))
 
 
 def _values(explanation: Explanation) -> dict[str, object]:
     values = asdict(explanation)
     values['rms_misfit_s'] = values.pop('rms_misfit')
     values['parameter'] = values['parameter'] or None
+    values['unit'] = unit_of(explanation)
     return values
-
-
-def _line(explanation: Explanation) -> str:
-    value = 'fits' if explanation.fits else 'none fits'
-    if explanation.value is not None:
-        value = f'{explanation.value:.5g}'
-    interval = ''
-    if explanation.interval is not None:
-        interval = interval_text(explanation.interval, '{:.5g}'.format)
-    misfit = f'{explanation.rms_misfit:.4f} s' if math.isfinite(explanation.rms_misfit) else 'none'
-    weight = f'{explanation.weight:.3f}' if math.isfinite(explanation.weight) else 'none'
-    return f'{explanation.name:28} {value:>11} {interval:>22} {misfit:>9} {weight:>7}   {explanation.parameter}'

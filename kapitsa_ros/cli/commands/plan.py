@@ -10,7 +10,6 @@ from kapitsa_ros._api.plan import plan as call
 from kapitsa_ros.analysis.explain import CAUSES
 from kapitsa_ros.analysis.plan.cheapest import FASTEST
 from kapitsa_ros.cli.options import (
-    ANGLE,
     SPEED,
     assumption_option,
     instrument_options,
@@ -19,16 +18,18 @@ from kapitsa_ros.cli.options import (
     print_json,
 )
 from kapitsa_ros.cli.table_argument import table_argument
+from kapitsa_ros.cli.terminal import say, show_table
+from kapitsa_ros.cli.written import WRITTEN_ANGLE
+from kapitsa_ros.reporting.plan_text import plan_sentences, plan_table, separation_sentence
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
-    from kapitsa_ros.analysis.plan import Separation
+    from kapitsa_ros.cli.written import Written
     from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
-_APART = 2.0  # standard errors; closer values are not distinguished
 _NAMES = click.Choice([cause.name for cause in CAUSES])
 
 
@@ -36,7 +37,7 @@ _NAMES = click.Choice([cause.name for cause in CAUSES])
 @table_argument
 @click.option('--target', type=float, required=True, help='half the width of the 95 % interval wanted, per cent')
 @click.option(
-    '--release', type=ANGLE, default=0.12, show_default=True, help='angle at which the pendulum is let go, rad'
+    '--release', type=WRITTEN_ANGLE, default=0.12, show_default=True, help='angle at which the pendulum is let go, rad'
 )
 @click.option('--max-speed', type=SPEED, default=FASTEST / RPM, show_default=True, help='fastest the jigsaw may turn')
 @click.option(
@@ -54,7 +55,7 @@ def plan(
     table: TimingTable,
     *,
     target: float,
-    release: float,
+    release: Written,
     max_speed: float,
     between: tuple[str, str],
     plant: Plant,
@@ -71,7 +72,7 @@ def plan(
     found = call(
         plant,
         target=target,
-        release=release,
+        release=release.value,
         max_speed=max_speed,
         between=between,
         readings=table,
@@ -97,20 +98,16 @@ def plan(
             }
         )
         return
-    speeds = ', '.join(f'{speed / RPM:.0f}' for speed in found.speeds)
-    click.echo(f'speeds   {speeds} RPM')
-    click.echo(f'timings  {found.repeats} of {found.swings} swing(s) at each')
-    click.echo(f'expected ±{found.expected_percent:.2f} % (95 %) after {found.seconds:.0f} s at the bench')
-    click.echo(_deciding(deciding))
-
-
-def _deciding(found: Separation) -> str:
-    first, second = found.between
-    swing = 'the swing as before' if found.release is None else f'a swing of {found.release:g} rad'
-    what = f'time {swing} at {found.speed / RPM:.0f} RPM'
-    predictions = (
-        f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
+    speeds = found.speeds.tolist()
+    show_table(plan_table(speeds, found.swings, found.repeats))
+    say(
+        plan_sentences(
+            speeds,
+            found.swings,
+            found.repeats,
+            expected_percent=found.expected_percent,
+            seconds=found.seconds,
+            release=release.text(),
+        )
     )
-    if found.sigmas < _APART:
-        return f'no single timing tells {first} from {second}; the best of them: {what}; {predictions}'
-    return f'to tell {first} from {second}: {what}; {predictions}'
+    say([separation_sentence(deciding)])

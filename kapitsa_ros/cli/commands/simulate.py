@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
 from kapitsa_ros._api.simulate import simulate as call
-from kapitsa_ros.cli.options import ANGLE, FREQUENCY, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.cli.options import ANGLE, FREQUENCY, json_option, plant_options, print_json
 from kapitsa_ros.cli.output_files import SUFFIXES, check_table_output, write_table
+from kapitsa_ros.cli.terminal import say, show_table
+from kapitsa_ros.cli.written import WRITTEN_ANGLE, WRITTEN_SPEED
+from kapitsa_ros.reporting.plant_sentence import plant_sentence
+from kapitsa_ros.reporting.simulation_text import simulation_conclusion, simulation_table
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from kapitsa_ros.cli.written import Written
     from kapitsa_ros.physics.plant import Plant
 
 
 @click.command()
 @plant_options
-@click.option('--speed', type=SPEED, required=True, help='forcing speed ω')
-@click.option('--release', type=ANGLE, required=True, help='θ at rest at time 0')
+@click.option('--speed', type=WRITTEN_SPEED, required=True, help='forcing speed ω')
+@click.option('--release', type=WRITTEN_ANGLE, required=True, help='θ at rest at time 0')
 @click.option('--phase', type=ANGLE, default=0.0, show_default=True, help='p: 0 starts the pivot at the bottom')
 @click.option('--duration', type=float, required=True, help='seconds')
 @click.option('--linear', is_flag=True, help='θ for sin θ')
@@ -33,8 +38,8 @@ if TYPE_CHECKING:
 def simulate(
     *,
     plant: Plant,
-    speed: float,
-    release: float,
+    speed: Written,
+    release: Written,
     phase: float,
     duration: float,
     output: Path | None,
@@ -51,8 +56,8 @@ def simulate(
         raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
     run = call(
         plant,
-        speed=speed,
-        release=release,
+        speed=speed.value,
+        release=release.value,
         duration=duration,
         phase=phase,
         linear=linear,
@@ -62,7 +67,7 @@ def simulate(
     )
     if output is not None:
         write_table(output, run.columns)
-    answer = {
+    answer: dict[str, Any] = {
         'slow_rpm': None if run.slow is None else run.slow / RPM,
         'growth_per_s': run.growth,
         'max_angle_rad': float(np.abs(run.angle).max()),
@@ -73,8 +78,11 @@ def simulate(
     }
     if as_json:
         print_json(answer)
-    else:
-        for name, value in answer.items():
-            click.echo(f'{name:16} {value}')
-        if run.falls and not run.fell:
-            click.echo('unstable: it would fall, if it were followed for longer')
+        return
+    say(
+        [f'{plant_sentence(plant)}. Shaken at {speed.text()}, let go at {release.text()}, followed for {duration:g} s.']
+    )
+    show_table(simulation_table(answer, speed.text, lambda angle: release.text(angle, 4)))
+    say(simulation_conclusion(answer, falls=run.falls, end=release.text(answer['final_angle_rad'], 3)))
+    if output is not None:
+        click.echo(f'{output}')

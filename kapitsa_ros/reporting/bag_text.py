@@ -1,0 +1,43 @@
+"""What is in a recorded run, in a table and sentences."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kapitsa_ros.network.run import Run
+
+_TITLES = {'first_stamp_s': 'first stamp (s)', 'last_stamp_s': 'last stamp (s)', 'lost_s': 'motion missing (s)'}
+_TITLES |= {'duration_s': 'simulated time (s)', 'complete': 'came to its end', 'gaps': 'gaps in the motion'}
+
+
+def bag_table(values: Mapping[str, Any]) -> Table:
+    """Return the values of a bag that are a number or a word."""
+    table = Table(title='What is in the bag', title_justify='left', show_header=False)
+    table.add_column('')
+    table.add_column('', justify='right')
+    for name, value in values.items():
+        if isinstance(value, bool):
+            table.add_row(_TITLES.get(name, name), 'yes' if value else 'no')
+        elif isinstance(value, int | float | str):
+            shown = f'{value:.10g}' if isinstance(value, float) else str(value)
+            table.add_row(_TITLES.get(name, name), shown)
+    return table
+
+
+def bag_conclusion(values: Mapping[str, Any], run: Run, path: str) -> list[str]:
+    """Return what the run is, whether it is whole, and what to do next."""
+    said = [f'{len(run.timings)} timing(s) or fall(s), {run.speed_asked / RPM:.0f} RPM asked for.']
+    if not values['complete']:
+        said.append('The run was interrupted: what was recorded until then is there.')
+    if values['gaps']:
+        said.append(f'{values["lost_s"]:.3g} s of motion are missing, in {values["gaps"]} place(s).')
+    elif values['complete']:
+        said.append('The run is whole: it came to its end, and no sample of the motion is missing.')
+    return [*said, f'Next: `kapitsa analyse {path}` takes the critical speed from it.']
