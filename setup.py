@@ -40,6 +40,8 @@ def node_scripts() -> list[str]:
 
 CORE = [
     'click>=8.1',
+    'lz4>=4.0',
+    'mcap>=1.1',
     'numba>=0.59',
     'numpy>=1.26',
     'pyyaml>=6.0',
@@ -51,6 +53,7 @@ CORE = [
     'rosbags==0.11.9',  # recording/ closes chunks through its storage objects
     'scipy>=1.11',
     'setproctitle>=1.3',
+    'zstandard>=0.22',
 ]
 REPORT = [
     'fpdf2>=2.8',

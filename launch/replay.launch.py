@@ -6,7 +6,7 @@ from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, Opaq
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from
 from kapitsa_ros.rig.setup import REPLAY_NAMES
@@ -40,7 +40,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         for role in REPLAY_NAMES
     ]
     if arguments['viewer'] != 'none':
-        plant = RunBag(Path(values['bags'][0])).run.plant
+        plant = runs_of([Path(values['bags'][0])])[0].run.plant
         drawn = {'viewer': arguments['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
         path = Path(__file__).with_name('viewer.launch.py')
         # First, so that nothing has started when its package is missing.

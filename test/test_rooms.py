@@ -44,12 +44,13 @@ def test_imports_point_down(path: Path) -> None:
 STAND_ON = {
     'ament_index_python', 'builtin_interfaces', 'click', 'diagnostic_msgs', 'distributed', 'domain_coordinator',
     'fpdf', 'jinja2', 'markdown_it',
-    'kapitsa_ros', 'launch', 'launch_ros', 'matplotlib',
+    'kapitsa_ros', 'launch', 'launch_ros', 'lz4', 'matplotlib', 'mcap',
     'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
     'pytest',
     'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'std_msgs',
     'std_srvs',
     'textual', 'trajectory_msgs', 'yaml',
+    'zstandard',
 }  # fmt: skip
 """What setup.py and package.xml declare, by the name it is imported under."""
 

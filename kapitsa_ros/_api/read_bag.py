@@ -7,18 +7,21 @@ from pathlib import Path
 from kapitsa_ros.recording.reader import RunBag
 
 
-def read_bag(path: str | Path) -> RunBag:
+def read_bag(path: str | Path, run: int | None = None) -> RunBag:
     """Read a recorded run.
 
     Parameters
     ----------
     path
-        Folder of the bag.
+        Folder of the bag, or a storage file (.mcap, .db3) of it.
+    run
+        Number of the run, where the bag holds several.
 
     Returns
     -------
     RunBag
-        `.run` holds what was read and commanded, `.motion` the recorded motion, with `.to_pandas()`.
+        `.run` holds what was read and commanded, `.motion` the recorded motion, with `.to_pandas()`, `.defects`
+        what is missing or damaged.
 
     Raises
     ------
@@ -32,4 +35,4 @@ def read_bag(path: str | Path) -> RunBag:
     ['time_s', 'angle_rad', 'rate_rad_s']
 
     """
-    return RunBag(Path(path))
+    return RunBag(Path(path), run)

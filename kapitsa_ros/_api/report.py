@@ -11,12 +11,13 @@ from kapitsa_ros._api.result import describe, speed_text
 from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.naming import repeats, run_folders
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import runs_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Sequence
 
     from kapitsa_ros._api.inputs import AnyAssumptions
+    from kapitsa_ros.recording.reader import RunBag
     from kapitsa_ros.reporting.report.content import Content
 
 
@@ -27,7 +28,7 @@ class Report:
     output: Path
     content: Content
     warnings: tuple[str, ...]
-    """Which bags were given twice."""
+    """Which bags were given twice, and what is missing or damaged in them."""
 
     def __repr__(self) -> str:
         estimates = {each.name.replace(' ', '_'): speed_text(each.value) for each in self.content.estimates}
@@ -97,8 +98,9 @@ def report(
     progress = on_progress or (lambda _: None)
     paths = run_folders(Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags))
     trials: dict[str, int] = {} if experiments is None else {'experiments': experiments}
+    bags_read = runs_of(paths)
     content = gather(
-        [RunBag(path).recorded for path in paths],
+        [bag.recorded for bag in bags_read],
         as_readings('1997'),
         as_assumptions(assumptions),
         on_progress=progress,
@@ -107,4 +109,9 @@ def report(
     progress('drawing')
     with replacing(page) as draft:
         WRITERS[kind](content, draft)
-    return Report(output=page, content=content, warnings=repeats(paths))
+    return Report(output=page, content=content, warnings=(*repeats(paths), *dict.fromkeys(_defects(bags_read))))
+
+
+def _defects(bags: Iterable[RunBag]) -> Iterator[str]:
+    for bag in bags:
+        yield from (f'{bag.path}: {defect}' for defect in bag.defects)

@@ -20,7 +20,7 @@ from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.recording.naming import repeats, run_folders
+from kapitsa_ros.recording.naming import run_folders
 from kapitsa_ros.schema import describe
 from kapitsa_ros.units import parse_angle, parse_frequency, parse_length, parse_quantity, parse_speed
 
@@ -227,12 +227,6 @@ def bags_argument(command: Callable[..., Any]) -> Callable[..., Any]:
     return click.argument('bags', nargs=-1, required=True, type=click.Path(path_type=pathlib.Path), callback=expanded)(
         command
     )
-
-
-def warn_of_repeats(bags: Sequence[Path]) -> None:
-    """Say so where a bag is given twice: its readings count twice, and the interval is too narrow."""
-    for warning in repeats(bags):
-        click.echo(f'kapitsa: warning: {warning}', err=True)
 
 
 def print_json(values: Mapping[str, Any]) -> None:

@@ -10,7 +10,7 @@ from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import budget_of, reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import budget_values, experiment_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import RunBag, runs_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,7 +33,7 @@ def analyse_bags(
         The runs do not belong together.
 
     """
-    bags = [RunBag(path) for path in paths]
+    bags = runs_of(paths)
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
     found = reduce_runs([bag.run for bag in bags], assumptions)
     values = {'runs': runs} | experiment_values(found) | origin(bags[0].run)
@@ -64,7 +64,7 @@ def analyse_motions(
         The runs do not belong together, or one shows no swing.
 
     """
-    bags = [RunBag(path) for path in paths]
+    bags = runs_of(paths)
     experiment, found = reduce_motions([bag.recorded for bag in bags], estimator, assumptions)
     periods = iter(found.period)
     runs = []
@@ -95,4 +95,11 @@ def origin(run: Run) -> dict[str, Any]:
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:
     """Return the values of a bag besides its readings."""
-    return {'bag': str(bag.path), 'samples': int(bag.motion.angle.size), 'gaps': bag.motion.gaps}
+    return {
+        'bag': str(bag.path),
+        'run': bag.number,
+        'samples': int(bag.motion.angle.size),
+        'gaps': bag.motion.gaps,
+        'digest_ok': bag.integrity.ok,
+        'defects': list(bag.defects),
+    }

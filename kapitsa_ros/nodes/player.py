@@ -20,7 +20,7 @@ from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.playback import Playback, PlayedStep
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
 from kapitsa_ros.ros.diagnostics import progress_message
@@ -33,6 +33,8 @@ from kapitsa_ros.ros.time_control import TimeControl
 
 if TYPE_CHECKING:
     from rclpy.parameter import Parameter
+
+    from kapitsa_ros.recording.reader import RunBag
 
 WINDOW = 8
 """Steps under way at once."""
@@ -52,7 +54,7 @@ class PlayerNode(DataflowNode):
         if not any(paths):
             raise SettingError('parameter bags is empty: give one run or more')
         try:
-            self._bags = [RunBag(Path(path)) for path in paths]
+            self._bags = runs_of(map(Path, paths))
         except BagError as error:
             raise SettingError(f'parameter bags: {error}') from error
         self._playback = Playback(self._bags)

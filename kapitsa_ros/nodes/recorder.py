@@ -26,15 +26,27 @@ class RecorderNode(StepNode):
         super().__init__(RECORDER)
         self._bags = Path(declare(self, 'bags', 'runs', 'folder in which each run gets a bag of its own'))
         self._storage = declare(self, 'storage', 'mcap', f'of the bags: {" or ".join(STORAGES)}')
-        self._steps_a_chunk = declare(self, 'steps_a_chunk', 5, 'steps that a crash may cost', 1, 1000)
+        self._steps_a_chunk = declare(
+            self, 'steps_a_chunk', 5, 'steps that a crash may cost, half a second at most', 1, 1000
+        )
         if self._storage not in STORAGES:
             raise SettingError(f'parameter storage is {self._storage!r}: choose {" or ".join(STORAGES)}')
         self._settings = SettingsSubscriber(self)
         self._writer: RunWriter | None = None
 
     def advance(self) -> float:
-        """Wait for the settings, which open a bag."""
-        return super().advance() if self._settings.complete else LOOK_PERIOD
+        """Wait for the settings, which open a bag; see to it that what was written is on disk."""
+        if not self._settings.complete:
+            return LOOK_PERIOD
+        wait = super().advance()
+        return wait if self._writer is None else min(wait, self._on_disk(self._writer))
+
+    def _on_disk(self, writer: RunWriter) -> float:
+        try:
+            return writer.sync()
+        except BagError as error:
+            self._give_up()
+            raise NodeError(str(error)) from error
 
     def work(self, step: Step) -> None:
         """Write one step."""
@@ -65,6 +77,9 @@ class RecorderNode(StepNode):
         """Finish a bag whose run did not come to its end: it can be read, and says so."""
         if self._writer is not None:
             self._writer.close(complete=False)
+            self.get_logger().warning(
+                f'{self._writer.path} holds a run that was interrupted: it can be read, and says that it has no end'
+            )
 
     def _give_up(self) -> None:
         """Leave a bag that the disk does not take as it is: without an index nobody takes it for whole."""

@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.storage.bag_files import in_order, is_bag
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
     from pathlib import Path
-
-METADATA = 'metadata.yaml'
-"""What makes a folder a bag."""
 
 
 def run_name(number: int, speed: float) -> str:
@@ -51,20 +48,15 @@ def refuse_existing(bags: Path, speeds: Sequence[float]) -> None:
 
 
 def run_folders(paths: Iterable[Path]) -> tuple[Path, ...]:
-    """Return the runs that paths lead to: a folder of runs stands for those in it, in the order of their numbers."""
+    """Return the bags that paths lead to: a folder of bags stands for those in it, in the order of their numbers."""
     found: list[Path] = []
     for path in paths:
         try:
-            inside = [] if (path / METADATA).exists() or not path.is_dir() else list(path.iterdir())
-            runs = [each for each in inside if (each / METADATA).is_file()]
+            runs = [] if is_bag(path) or not path.is_dir() else [each for each in path.iterdir() if is_bag(each)]
         except OSError:
             runs = []  # whoever opens it says why it cannot be
-        found += sorted(runs, key=_in_order) or [path]
+        found += sorted(runs, key=in_order) or [path]
     return tuple(found)
-
-
-def _in_order(path: Path) -> list[tuple[int, str]]:
-    return [(int(part) if part.isdigit() else -1, part) for part in re.split(r'(\d+)', path.name)]
 
 
 def repeats(bags: Sequence[Path]) -> tuple[str, ...]:

@@ -1,18 +1,14 @@
-"""Reading a run back: any rosbag2 bag with the topics of the rig."""
+"""Reading runs back: from any rosbag2 bag with the topics of the rig, whole or not."""
 
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
-from rosbags.rosbag2 import Reader
+from typing import TYPE_CHECKING
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import (
@@ -20,156 +16,205 @@ from kapitsa_ros.network.registry import (
     MOTION,
     PIVOT,
     READINGS,
+    RECORDED,
+    REPLAYED,
     RIG_ROLES,
-    STROBE_READING,
     described_by,
     writer_of,
 )
 from kapitsa_ros.network.run_builder import RunBuilder
-from kapitsa_ros.network.settings import decode_settings, settings_topic
+from kapitsa_ros.network.settings import encode_settings, settings_topic
 from kapitsa_ros.network.step import Step
-from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.network.step_clock import DAY, SECOND
+from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
+from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
+from kapitsa_ros.recording.motion import Motion, joined_motion
+from kapitsa_ros.recording.recording import Recording
+from kapitsa_ros.recording.run_index import steps_text
+from kapitsa_ros.recording.writer import DIGEST_KEY, FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
     from os import PathLike
 
-    import pandas as pd
-
     from kapitsa_ros.network.run import Run
-    from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
+    from kapitsa_ros.recording.run_index import RunIndex
 
 _RUN_TOPICS = (COMMAND, *READINGS)
 """Those that make a run."""
 _REQUIRED = [role for role in RIG_ROLES if not role.optional]
-
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """A recorded motion as one series; shape (N,) each, SI units."""
-
-    stamps_ns: np.ndarray[Any, np.dtype[np.int64]]
-    angle: np.ndarray[Any, np.dtype[np.float64]]
-    rate: np.ndarray[Any, np.dtype[np.float64]]
-    gaps: int
-    """Places where a sample or a step is missing."""
-    lost: float
-    """Seconds of motion missing there."""
-
-    def to_pandas(self) -> pd.DataFrame:
-        """Return a row a sample, times from the first on."""
-        seconds = (self.stamps_ns - self.stamps_ns[:1]) / SECOND
-        return data_frame({'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate})
+_STAMPED = (PIVOT.name, MOTION.name, COMMAND.name)
+"""Topics whose stamp is that of their step."""
+_NAMES = [topic.name for topic in REPLAYED]
 
 
 class RunBag:
     """A recorded run.
 
+    Steps that are damaged or stand twice are left out; `defects` says so, and what is missing.
+
     Parameters
     ----------
     path
-        Folder of the bag.
+        Folder of the bag, or a storage file of it.
+    run
+        Number of the run, where the bag holds several; `open_runs` takes such a bag apart.
 
     Raises
     ------
     BagError
-        There is no bag, it was never finished, or it lacks topics of the rig.
+        There is no bag, it lacks topics of the rig, or holds several runs.
 
     """
 
-    def __init__(self, path: str | PathLike[str]) -> None:
-        self.path = path = Path(path)
-        if not path.is_dir():
-            raise BagError(f'{path} is no bag: give the folder of a run')
-        if not (path / 'metadata.yaml').is_file():
-            kind = 'was never finished' if any(path.glob('*.mcap')) or any(path.glob('*.db3')) else 'is no bag'
-            raise BagError(f'{path} {kind}: it has no metadata.yaml')
-        try:
-            with Reader(path) as reader:
-                self.topics = frozenset(connection.topic.removeprefix('/') for connection in reader.connections)
-                """Names of those recorded."""
-                self.messages = reader.message_count
-                self.first_stamp_ns = reader.start_time
-                self.last_stamp_ns = reader.end_time - 1
-                self.format = _format_of(reader)
-                """Version of the bag's format; 0 for bags that state none."""
-        except Exception as error:  # rosbags raises whatever the libraries below it do
-            raise BagError(f'{path} cannot be read: {error}') from error
-        if self.format > FORMAT:
-            raise BagError(
-                f'{path} has format {self.format}, this version reads up to {FORMAT}: install a newer kapitsa_ros'
-            )
-        if not self.messages:
-            raise BagError(f'{path} is empty: the run was never begun')
-        needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
-        needed += map(settings_topic, described_by(_REQUIRED))
-        missing = [name for name in needed if name not in self.topics]
-        if missing:
-            raise BagError(f'{path} is no run of this rig: it lacks {", ".join(missing)}')
+    def __init__(
+        self, path: str | PathLike[str], run: int | None = None, *, recording: Recording | None = None
+    ) -> None:
+        self.path = Path(path)
+        self._recording = recording or Recording(self.path)
+        self.format = _format_of(self._recording)
+        """Version of the bag's format; 0 for bags that state none."""
+        self.topics = frozenset(self._recording.topics)
+        """Names of those recorded."""
+        self._index = self._chosen(run)
+        self.several = len(_begun(self._recording)) > 1
+        """Whether the bag holds other runs too."""
+        promised = None if self.several else self._recording.promise.custom.get(DIGEST_KEY)
+        self.integrity = leave_out_damaged(self._index, self._recording.table, promised)
+        """What the digests say."""
 
     def __repr__(self) -> str:
         """Return what it is and where."""
-        return f'RunBag({str(self.path)!r}, {self.messages} messages)'
+        which = f', run={self.number}' if self.several else ''
+        return f'RunBag({str(self.path)!r}{which}, {self.messages} messages)'
+
+    @property
+    def number(self) -> int:
+        """Of the run."""
+        return self._index.number
+
+    @property
+    def name(self) -> str:
+        """Of the run, as tables show it."""
+        return f'{self.path.name} run {self.number}' if self.several else self.path.name
+
+    @cached_property
+    def messages(self) -> int:
+        """How many of the run can be read, its settings included."""
+        return self._index.messages + len(self.settings_texts)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 over the run's messages, as far as they are there; equal runs have equal ones."""
+        return run_digest(self._index, self._recording.table)
+
+    @property
+    def steps(self) -> int:
+        """How many steps have a message."""
+        return sum(not step_id.end for step_id in self._index.ids(_NAMES))
+
+    @property
+    def finished(self) -> bool:
+        """Whether the recorder has closed the bag."""
+        return self._recording.finished
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the bag was closed, and nothing of it is damaged."""
+        return self.finished and not self.damages
+
+    @property
+    def storage(self) -> str:
+        """`mcap` or `sqlite3`."""
+        return self._recording.storage
+
+    @property
+    def foreign_topics(self) -> frozenset[str]:
+        """Names of topics that are not of the rig."""
+        return self._recording.foreign_topics
+
+    @property
+    def damages(self) -> list[str]:
+        """Of the defects, those by which something is there that cannot be read, or was changed."""
+        return [*self._recording.damages, *self.integrity.defects]
+
+    @cached_property
+    def defects(self) -> tuple[str, ...]:
+        """What is missing or damaged, a sentence each; empty for a bag that is as it should be."""
+        return (*self._recording.defects, *self.integrity.defects, *self._index.defects())
 
     def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
-        """Yield topic, stamp (ns) and bytes of the messages on the named topics, in the order of recording.
+        """Yield topic, stamp of the step (ns) and bytes of the messages on the named topics, in the order of steps.
 
         Raises
         ------
         BagError
-            The file is damaged.
+            What is there is not what was recorded, or the file was changed meanwhile.
 
         """
+        self.refuse_changed()
         try:
-            with Reader(self.path) as reader:
-                connections = [
-                    connection for connection in reader.connections if connection.topic.removeprefix('/') in names
-                ]
-                # Without a connection rosbags would read them all.
-                for connection, stamp, data in reader.messages(connections) if connections else ():
-                    yield connection.topic.removeprefix('/'), stamp, bytes(data)
-        except Exception as error:  # rosbags raises whatever the libraries below it do
-            raise BagError(f'{self.path} is damaged: {error}') from error
+            for role, text in self.settings_texts.items():
+                if settings_topic(role) in names:
+                    yield settings_topic(role), self.first_stamp_ns, encode_settings(text)
+            topics = [topic.name for topic in RECORDED if topic.name in names]
+            for step_id in self._index.ids(topics):
+                stamp = self._stamp(step_id)
+                for topic in topics:
+                    message = self._index.find(topic, step_id)
+                    if message is not None:
+                        yield topic, stamp, self._recording.read(message)
+        finally:
+            self._recording.close()
 
     @cached_property
     def settings_texts(self) -> dict[str, str]:
-        """JSON text by role."""
-        names = {settings_topic(role): role for role in described_by()}
-        return {names[topic]: decode_settings(raw) for topic, _, raw in self.raw(*names)}
+        """JSON text by role: of the same role several times, that which was latched when the run began."""
+        found: dict[str, str] = {}
+        expected = self._index.groups[-1].settings if self._index.groups else {}
+        later: dict[str, str] = {}
+        for each in self._recording.settings:
+            if each.role in expected and each.digest != expected[each.role]:
+                continue
+            if each.place <= self._index.begins:
+                found[each.role] = each.text
+            else:
+                later.setdefault(each.role, each.text)
+        return {role: found.get(role, later.get(role, '')) for role in described_by() if role in found or role in later}
 
     @cached_property
     def run(self) -> Run:
-        """The run that the readings and commands in the bag make.
+        """The run that the readings and commands in the bag make; steps that are missing `defects` names.
 
         Raises
         ------
         BagError
-            Steps are missing or a message is not what its topic promises.
+            Nothing of a run is there, or a message is not what its topic promises.
 
         """
         try:
             settings = {node: json.loads(text) for node, text in self.settings_texts.items()}
-            steps = list(self._steps())
-            if not steps:
-                raise BagError(f'{self.path} holds no step of a run')
-            builder = RunBuilder(steps[0].id.run, settings)
-            for step in steps:
-                if not step.id.end:
-                    builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
-        except (WireError, json.JSONDecodeError, KeyError) as error:
+            lacking = [role for role in described_by(_REQUIRED) if role not in settings]
+            if lacking:
+                raise BagError(f'{self.path} is damaged: the settings of {", ".join(lacking)} are lost')
+            builder = RunBuilder(self.number, settings)
+            present = [topic for topic in _RUN_TOPICS if topic.name in self._index.present]
+            count = 0
+            for step in self._steps([topic.name for topic in present]):
+                builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
+                count += 1
+        except (WireError, json.JSONDecodeError, KeyError, RecursionError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
-        return builder.build(complete=steps[-1].id.end)
+        if not count:
+            raise BagError(f'{self.path} holds no step of a run')
+        return builder.build(complete=self.complete)
 
     @cached_property
     def complete(self) -> bool:
         """Whether the run came to its end."""
-        try:
-            return any(read_step_id(raw).end for _, _, raw in self.raw(STROBE_READING.name))
-        except WireError as error:
-            raise BagError(f'{self.path} is damaged: {error}') from error
+        return self._index.end is not None
 
     @cached_property
     def motion(self) -> Motion:
@@ -181,61 +226,146 @@ class RunBag:
             A block is not what its topic promises.
 
         """
-        stamps, angles, rates = [], [], []
         try:
-            for _, _, raw in self.raw(MOTION.name):
-                if read_step_id(raw).end:
-                    continue
-                samples = MOTION.decode(raw)
-                times = np.arange(samples.position.size) * round(samples.period * SECOND)
-                stamps.append(stamp_of(raw) + times)
-                angles.append(samples.position)
-                rates.append(samples.rate)
-        except WireError as error:
+            return joined_motion(
+                (step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in self._on(MOTION.name)
+            )
+        except (WireError, OverflowError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
-        if not stamps:
-            empty = np.array([])
-            return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
-        joined = np.concatenate(stamps)
-        periods = np.diff(joined)
-        # Blocks hold both ends, so a block begins at the stamp at which the last one ended.
-        fresh = np.concatenate(([True], periods > 0))
-        period = np.median(periods[periods > 0])
-        gaps = periods[periods > period]
-        lost = float((gaps - period).sum()) / SECOND
-        return Motion(joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps.size, lost)
 
     @property
     def recorded(self) -> RecordedRun:
         """The run together with its motion."""
         seconds = (self.motion.stamps_ns - self.motion.stamps_ns[:1]) / SECOND
-        return RecordedRun(name=self.path.name, run=self.run, time=seconds, angle=self.motion.angle)
+        return RecordedRun(name=self.name, run=self.run, time=seconds, angle=self.motion.angle)
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""
-        for _, _, raw in self.raw(PIVOT.name):
-            if not read_step_id(raw).end:
-                yield read_step_id(raw), PIVOT.decode(raw)
+        for step_id, raw in self._on(PIVOT.name):
+            yield step_id, PIVOT.decode(raw)
 
-    def _steps(self) -> Iterator[Step]:
-        """Yield the commands and readings step by step; at the end, the readings' end."""
-        present = [topic for topic in _RUN_TOPICS if topic.name in self.topics]
-        pending: dict[StepId, dict[str, bytes]] = {}
-        last: StepId | None = None
-        for topic, _, raw in self.raw(*(topic.name for topic in present)):
+    def refuse_gaps(self) -> None:
+        """Check that every step is there, without which the nodes of a graph wait for ever.
+
+        Raises
+        ------
+        BagError
+            One is missing, or nothing may be read.
+
+        """
+        self.refuse_changed()
+        lost = {step for topic in self._index.present for step in self._index.missing(topic)}
+        if lost:
+            raise BagError(
+                f'{self.path} lacks {steps_text(sorted(lost))} of run {self.number}: a graph needs every step; '
+                'analyse the bag instead'
+            )
+
+    def refuse_changed(self) -> None:
+        """Check that what can be read was recorded so.
+
+        Raises
+        ------
+        BagError
+            It was not.
+
+        """
+        if self.integrity.refusal is not None:
+            raise BagError(f'{self.path}: {self.integrity.refusal}')
+
+    @cached_property
+    def first_stamp_ns(self) -> int:
+        """Simulated time of the first step that is there."""
+        return self._stamp(next(self._index.ids(_NAMES), StepId(self.number, 0)))
+
+    @cached_property
+    def last_stamp_ns(self) -> int:
+        """Simulated time of the last one, or of the end."""
+        *_, last = self._index.ids(_NAMES) if self._index.present else [StepId(self.number, 0)]
+        return self._stamp(last)
+
+    def _stamp(self, step_id: StepId) -> int:
+        """Return the simulated time of a step: of the topics at hand, that of a leading one."""
+        for topic in _STAMPED:
+            message = self._index.find(topic, step_id)
+            if message is not None:
+                return stamp_of(self._recording.read(message))
+        return step_id.run * DAY
+
+    def _on(self, topic: str) -> Iterator[tuple[StepId, bytes]]:
+        """Yield number and bytes of the messages on a topic, the end left out."""
+        for _, _, raw in self.raw(topic):
             step_id = read_step_id(raw)
-            messages = pending.setdefault(step_id, {})
-            messages[topic] = raw
-            # The operator, who ended the run, says nothing at its end.
-            if len(messages) == len(present) - step_id.end:
-                if last is not None and not step_id.follows(last):
-                    raise BagError(f'{self.path}: {step_id} came after {last}')
-                last = step_id
-                yield Step(step_id, pending.pop(step_id))
+            if not step_id.end:
+                yield step_id, raw
+
+    def _steps(self, topics: list[str]) -> Iterator[Step]:
+        """Yield the steps that have a message on all of the topics."""
+        for step_id, messages in groupby(self.raw(*topics), key=lambda message: read_step_id(message[2])):
+            raw = {topic: data for topic, _, data in messages}
+            if len(raw) == len(topics) and not step_id.end:
+                yield Step(step_id, raw)
+
+    def _chosen(self, run: int | None) -> RunIndex:
+        recording, begun = self._recording, _begun(self._recording)
+        if self.format > FORMAT:
+            raise BagError(
+                f'{self.path} has format {self.format}, this version reads up to {FORMAT}: install a newer kapitsa_ros'
+            )
+        if not recording.topics:
+            raise BagError(f'{self.path} is empty: the run was never begun')
+        needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
+        needed += map(settings_topic, described_by(_REQUIRED))
+        missing = [name for name in needed if name not in self.topics]
+        if missing:
+            raise BagError(f'{self.path} is no run of this rig: it lacks {", ".join(missing)}')
+        numbers = sorted(begun) or sorted(recording.runs)
+        if not numbers:
+            raise BagError(f'{self.path} holds no step of a run')
+        if run is None and len(numbers) == 1:
+            return recording.runs[numbers[0]]
+        if run in recording.runs:
+            return recording.runs[run]
+        raise BagError(
+            f'{self.path} holds runs {", ".join(map(str, numbers))}'
+            + (': take it apart by open_runs, or give the number of one' if run is None else f', not {run}')
+        )
 
 
-def _format_of(reader: Reader) -> int:
-    """Return the format that a bag states, 0 where it states none; a bag file without its folder cannot."""
-    custom = getattr(reader.storage.metadata, 'custom', None) or {}
-    text = custom.get(FORMAT_KEY, '0')
+def open_runs(path: str | PathLike[str]) -> tuple[RunBag, ...]:
+    """Return the runs in a bag: one as a rule, several where a whole session was recorded to it.
+
+    Raises
+    ------
+    BagError
+        There is no bag, or no run of this rig in it.
+
+    """
+    recording = Recording(Path(path))
+    numbers = sorted(_begun(recording))
+    if len(numbers) < 2:
+        return (RunBag(path, recording=recording),)
+    return tuple(RunBag(path, number, recording=recording) for number in numbers)
+
+
+def runs_of(paths: Iterable[Path]) -> list[RunBag]:
+    """Return the runs in several bags, in their order.
+
+    Raises
+    ------
+    BagError
+        One of them is no bag, or has no run of this rig in it.
+
+    """
+    return [bag for path in paths for bag in open_runs(path)]
+
+
+def _begun(recording: Recording) -> list[int]:
+    """Return the numbers of the runs that have a step; of one that was never begun there are commands only."""
+    return [number for number, index in recording.runs.items() if index.last >= 0]
+
+
+def _format_of(recording: Recording) -> int:
+    """Return the format that a bag states, 0 where it states none."""
+    text = recording.promise.custom.get(FORMAT_KEY, '0')
     return int(text) if text.isdecimal() else 0

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 _TITLES = {'first_stamp_s': 'first stamp (s)', 'last_stamp_s': 'last stamp (s)', 'lost_s': 'motion missing (s)'}
 _TITLES |= {'duration_s': 'simulated time (s)', 'complete': 'came to its end', 'gaps': 'gaps in the motion'}
+_TITLES |= {'digest_ok': 'bytes are those recorded'}
 
 
 def bag_table(values: Mapping[str, Any]) -> Table:
@@ -23,7 +24,9 @@ def bag_table(values: Mapping[str, Any]) -> Table:
     table.add_column('')
     table.add_column('', justify='right')
     for name, value in values.items():
-        if isinstance(value, bool):
+        if name == 'digest_ok' and value is None:
+            table.add_row(_TITLES[name], 'unverified: no digest')
+        elif isinstance(value, bool):
             table.add_row(_TITLES.get(name, name), 'yes' if value else 'no')
         elif isinstance(value, int | float | str):
             shown = f'{value:.10g}' if isinstance(value, float) else str(value)

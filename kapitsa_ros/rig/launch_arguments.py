@@ -13,16 +13,14 @@ from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import OPTION, KapitsaError
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import runs_of
+from kapitsa_ros.recording.storage.bag_files import is_bag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
 from kapitsa_ros.rig.setup import Replay, Setup, replay_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
-
-_RECORDED = ('metadata.yaml', '*.mcap', '*.db3')
-"""One of these is in the folder of a run, also where its recorder was killed."""
 
 
 def rig_from(arguments: Mapping[str, str]) -> Setup:
@@ -64,13 +62,13 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
             loop=arguments['loop'] == 'true',
             start_paused=arguments['start_paused'] == 'true',
         )
-        paths = [folder] if _is_run(folder) else sorted(path for path in folder.glob('*/') if _is_run(path))
+        paths = [folder] if is_bag(folder) else sorted(path for path in folder.glob('*/') if is_bag(path))
         if not paths:
             raise UsageError(
                 f'{OPTION}: no run is there; give the folder of a run, or of several', option='bags', value=folder
             )
-        for path in paths:
-            RunBag(path)
+        for bag in runs_of(paths):
+            bag.refuse_gaps()
     return replay_parameters(paths, replay)
 
 
@@ -85,10 +83,6 @@ def end_with_failed(event: Any, context: Any) -> None:
     """
     if event.returncode and not context.is_shutdown:
         raise RigError(f'{event.process_name} has failed with status {event.returncode}: the other nodes are stopped')
-
-
-def _is_run(folder: Path) -> bool:
-    return any(path.is_file() for pattern in _RECORDED for path in folder.glob(pattern))
 
 
 def _read(name: str, arguments: Mapping[str, str]) -> Any:

@@ -12,7 +12,7 @@ from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_v
 from kapitsa_ros.network.registry import PLAYER, SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.playback import Playback
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
@@ -96,7 +96,9 @@ def replay_bags(
         A node died.
 
     """
-    bags = [RunBag(path) for path in paths]
+    bags = runs_of(paths)
+    for bag in bags:
+        bag.refuse_gaps()
     reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
     duration = Playback(bags).duration
     if replay.part.start >= duration:

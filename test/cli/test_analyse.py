@@ -90,7 +90,16 @@ def test_a_bag_says_what_is_in_it():
         'lost_s': 0.0,
         'first_stamp_s': pytest.approx(86400.0, abs=0.2),
         'last_stamp_s': values['first_stamp_s'] + values['duration_s'],
+        'digest': '61c74effe63c2e12864d7078d737a446a2fb5f6693c13745343228fcf6d8b408',
+        'digest_ok': None,
+        'run': 1,
+        'seed': 1997,
+        'plant': values['plant'],
+        'versions': values['versions'],
+        'defects': [],
     }
+    assert values['plant']['coulomb'] == 0.7
+    assert values['versions']['numpy'] == '2.4.6'
     assert output(bag, 'info', BAGS[0]).splitlines()[0].split() == ['messages', '939']
 
 

@@ -9,8 +9,9 @@ import click
 
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.cli.options import assumption_option, bags_argument, budget_option, json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, bags_argument, budget_option, json_option
 from kapitsa_ros.cli.show_result import show_result
+from kapitsa_ros.cli.warnings_of_bags import warn_of_defects, warn_of_repeats
 from kapitsa_ros.configuration.tables import write_timings
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.output_file import check_output
@@ -44,7 +45,7 @@ def analyse(
 ) -> None:
     """Analyse recorded runs from what was read and commanded, without the graph."""
     from kapitsa_ros.laboratory.bag_analysis import analyse_bags, analyse_motions  # noqa: PLC0415
-    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+    from kapitsa_ros.recording.reader import runs_of  # noqa: PLC0415
 
     if blind and estimator is not None:
         raise UsageError(
@@ -60,5 +61,6 @@ def analyse(
     else:
         values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
     if table is not None:
-        write_timings(table, timing_rows([RunBag(bag).run for bag in bags], assumptions.dial_u))
-    show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)
+        write_timings(table, timing_rows([bag.run for bag in runs_of(bags)], assumptions.dial_u))
+    warn_of_defects(values['runs'])
+    show_result(values, runs_of(bags[:1])[0].run.plant, as_json=as_json)

@@ -10,6 +10,7 @@ import click
 from kapitsa_ros.cli.options import RATE, bags_argument, json_option
 from kapitsa_ros.cli.replay_keys import replay_keys
 from kapitsa_ros.cli.show_result import show_result
+from kapitsa_ros.cli.warnings_of_bags import warn_of_defects
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.playback_parameters import LONGEST, PlaybackParameters
 
@@ -53,7 +54,7 @@ def replay(
     change the rate by 10 %.
     """
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
-    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+    from kapitsa_ros.recording.reader import runs_of  # noqa: PLC0415
     from kapitsa_ros.rig.session import replay_bags  # noqa: PLC0415  # rclpy takes its time
     from kapitsa_ros.rig.setup import Replay  # noqa: PLC0415
 
@@ -64,7 +65,8 @@ def replay(
     how = Replay(rate=float(loop) if rate is None else rate, part=part, loop=loop, start_paused=start_paused)
 
     def show(values: dict[str, Any]) -> None:
-        show_result(values, RunBag(bags[0]).run.plant, as_json=as_json)
+        warn_of_defects(values['runs'])
+        show_result(values, runs_of(bags[:1])[0].run.plant, as_json=as_json)
         if 'played_s' in values and not as_json:
             begin, finish = values['played_s']
             click.echo(f'Played from {begin:g} to {finish:g} s; the analysis is of all that was recorded until then.')

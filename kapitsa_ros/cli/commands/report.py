@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.cli.options import assumption_option, bags_argument, json_option, warn_of_repeats
+from kapitsa_ros.cli.options import assumption_option, bags_argument, json_option
+from kapitsa_ros.cli.warnings_of_bags import warn
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -26,13 +27,14 @@ if TYPE_CHECKING:
 @json_option
 def report(*, bags: tuple[Path, ...], output: Path, kind: str | None, assumptions: Assumptions, as_json: bool) -> None:
     """Write a report on recorded runs: tables and figures beside 1997, uncertainty, causes, a plan, a discussion."""
-    warn_of_repeats(bags)
     from kapitsa_ros._api.report import report as call  # noqa: PLC0415
     from kapitsa_ros.cli.options import print_json  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_stages  # noqa: PLC0415
 
     with shown_stages() as on_progress:
-        call(bags, output, assumptions=assumptions, format=kind, on_progress=on_progress)
+        written = call(bags, output, assumptions=assumptions, format=kind, on_progress=on_progress)
+    for warning in written.warnings:
+        warn(warning)
     if as_json:
         print_json({'output': str(output)})
     else:

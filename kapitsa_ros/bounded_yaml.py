@@ -1,0 +1,52 @@
+"""YAML from anybody: a document is read when it is of a size and depth that people and recorders write."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import yaml
+
+_DEEPEST, _LARGEST = 40, 200_000
+
+
+def load_yaml(text: str) -> Any:
+    """Return what a YAML document holds.
+
+    Aliases count with all that they stand for: a few lines can stand for more than a memory holds.
+
+    Raises
+    ------
+    yaml.YAMLError
+        The text is not YAML, or nests or repeats itself beyond what is read here.
+
+    """
+    _check_size(text)
+    try:
+        return yaml.safe_load(text)
+    except (ValueError, OverflowError, RecursionError) as error:  # a date or a number that there is not
+        raise yaml.YAMLError(str(error)) from error
+
+
+def _check_size(text: str) -> None:
+    sizes: dict[str, int] = {}
+    """By anchor: how many nodes it stands for."""
+    open_nodes: list[tuple[str | None, int]] = []
+    total = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.AliasEvent):
+            total += sizes.get(event.anchor or '', _LARGEST)  # within itself, it has no end
+        elif isinstance(event, yaml.ScalarEvent):
+            total += 1
+            if event.anchor is not None:
+                sizes[event.anchor] = 1
+        elif isinstance(event, yaml.CollectionStartEvent):
+            total += 1
+            open_nodes.append((event.anchor, total))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, before = open_nodes.pop()
+            if anchor is not None:
+                sizes[anchor] = total - before + 1
+        if len(open_nodes) > _DEEPEST:
+            raise yaml.YAMLError(f'it nests deeper than {_DEEPEST} levels')
+        if total > _LARGEST:
+            raise yaml.YAMLError(f'it stands for more than {_LARGEST} values')

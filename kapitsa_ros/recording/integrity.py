@@ -1,0 +1,119 @@
+"""Whether the messages of a run are those that were written; what is not is left out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from hashlib import sha256
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.network.registry import RECORDED, REPLAYED
+from kapitsa_ros.recording.digest import Group, digest_of
+from kapitsa_ros.recording.run_index import in_ranges, steps_text
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from kapitsa_ros.recording.message_table import MessageTable
+    from kapitsa_ros.recording.run_index import RunIndex
+
+_SPLICED = 'its parts are of several recordings: give the bags that it was put together from'
+
+
+@dataclass
+class Integrity:
+    """What the digests of a bag say of a run in it."""
+
+    ok: bool | None = None
+    """None: it carries no digests."""
+    defects: list[str] = field(default_factory=list)
+    refusal: str | None = None
+    """Why nothing may be read from it, as it would be wrong; None: it may."""
+
+
+def run_digest(index: RunIndex, table: MessageTable) -> str:
+    """Return the digest of a run as it stands in a bag: see `RunDigest.value`."""
+    whole = sha256()
+    for step_id in index.ids([topic.name for topic in REPLAYED]):
+        for topic in REPLAYED:
+            message = index.find(topic.name, step_id)
+            if message is not None:
+                whole.update(table.digest(message))
+    return whole.hexdigest()
+
+
+def leave_out_damaged(index: RunIndex, table: MessageTable, promised: str | None) -> Integrity:
+    """Check a run by its digests, and leave out the steps that are not as they were written.
+
+    Parameters
+    ----------
+    index
+        The run; the damaged steps are dropped from it.
+    table
+        Of its bag.
+    promised
+        Digest of the run by the metadata; None where it states none.
+
+    """
+    found = Integrity()
+    if index.groups:
+        found.ok = True
+        _check_groups(index, table, found)
+        _check_order(index.groups, found)
+    elif index.conflicts:
+        topic, step = min(index.conflicts)
+        found.refusal = (
+            f'step {step} of {topic} stands there twice with different content: '
+            f'several runs of the number {index.number} were put together; give their bags one by one'
+        )
+    if promised is not None and found.refusal is None:
+        as_promised = run_digest(index, table) == promised
+        if not as_promised and not found.defects and (not index.groups or index.end is not None):
+            found.refusal = 'its messages are not those whose digest its metadata states: files were exchanged'
+        found.ok = as_promised
+    return found
+
+
+def _check_groups(index: RunIndex, table: MessageTable, found: Integrity) -> None:
+    kept: set[int] = set()
+    wrong: set[str] = set()
+    for group in index.groups:
+        damaged = _damaged_topics(group, index, table)
+        wrong |= damaged
+        if not damaged:
+            kept.update(range(group.first, group.last + 1))
+    topics = [*index.steps, *(set(index.ends) - set(index.steps))]
+    there = {step for topic in topics for each in (index.steps, index.ends) for step in each.get(topic, {})}
+    for first, last in (lost := in_ranges(sorted(there - kept))):
+        for topic in topics:
+            index.drop(topic, first, last)
+    if lost:
+        what = ', '.join(sorted(wrong)) or 'whose digests are not there'
+        found.defects.append(f'{steps_text(lost)} of run {index.number} are damaged ({what}) and left out')
+    found.ok = not lost and not wrong
+
+
+def _damaged_topics(group: Group, index: RunIndex, table: MessageTable) -> set[str]:
+    span = range(group.first, group.last + 1)
+    if len(span) > 10 * sum(map(len, index.steps.values())) + 10:
+        return {'recorder/digest'}
+    damaged = {topic for topic, step in index.conflicts if step in span}
+    for topic in {topic.name for topic in RECORDED} | set(group.topics):
+        steps, ends = index.steps.get(topic, {}), index.ends.get(topic, {})
+        messages = [table.digest(steps[step]) for step in span if step in steps]
+        messages += [table.digest(ends[step]) for step in span if step in ends]
+        if digest_of(messages) != group.topics.get(topic, digest_of(())):
+            damaged.add(topic)
+    return damaged
+
+
+def _check_order(groups: Iterable[Group], found: Integrity) -> None:
+    """Refuse what was put together from several recordings."""
+    ordered = sorted({group.own: group for group in groups}.values(), key=lambda group: (group.first, group.last))
+    if any(left.settings != right.settings for left, right in pairwise(ordered)):
+        found.refusal = _SPLICED
+    for left, right in pairwise(ordered):
+        if right.first == left.last + 1 and right.previous != left.own:
+            found.refusal = _SPLICED
+    if ordered and ordered[0].first == 0 and ordered[0].previous:
+        found.refusal = _SPLICED

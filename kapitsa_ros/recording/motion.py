@@ -1,0 +1,70 @@
+"""A recorded motion as one series."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kapitsa_ros.data_frame import data_frame
+from kapitsa_ros.network.step_clock import SECOND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import pandas as pd
+
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A recorded motion as one series; shape (N,) each, SI units."""
+
+    stamps_ns: np.ndarray[Any, np.dtype[np.int64]]
+    angle: np.ndarray[Any, np.dtype[np.float64]]
+    rate: np.ndarray[Any, np.dtype[np.float64]]
+    gaps: int
+    """Places where a sample or a step is missing, before the first one too."""
+    lost: float
+    """Seconds of motion missing there."""
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return a row a sample, times from the first on."""
+        seconds = (self.stamps_ns - self.stamps_ns[:1]) / SECOND
+        return data_frame({'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate})
+
+
+def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
+    """Return the motion that blocks make, of which each holds both its ends.
+
+    Parameters
+    ----------
+    blocks
+        Step, stamp (ns) and motion of each, in the order of the steps.
+
+    """
+    stamps: list[Any] = []
+    angles, rates = [], []
+    late, count = 0.0, 0
+    for step, stamp, samples in blocks:
+        times = np.arange(samples.position.size) * round(samples.period * SECOND)
+        if not stamps and step:
+            count, late = 1, step * samples.period * (samples.position.size - 1)
+        stamps.append(stamp + times)
+        angles.append(samples.position)
+        rates.append(samples.rate)
+    if not stamps:
+        empty = np.array([])
+        return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
+    joined = np.concatenate(stamps)
+    periods = np.diff(joined)
+    # A block begins at the stamp at which the last one ended.
+    fresh = np.concatenate(([True], periods > 0))
+    period = np.median(periods[periods > 0])
+    gaps = periods[periods > period]
+    lost = float((gaps - period).sum()) / SECOND
+    return Motion(
+        joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps.size + count, lost + late
+    )

@@ -1,0 +1,222 @@
+"""An MCAP file, read from front to end: what is there counts, whether or not it has an index.
+
+The records are those of the `mcap` package; its readers want a whole file, or give up at the first damage.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections import OrderedDict
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.records import Channel, Chunk, ChunkIndex, Footer, Metadata, Schema
+
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.storage.decompression import (
+    LARGEST,
+    DecompressionError,
+    unpack_chunk,
+    unpack_message,
+)
+from kapitsa_ros.recording.storage.stored_message import StoredMessage
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+    from typing import BinaryIO
+
+MAGIC = b'\x89MCAP0\r\n'
+_HEAD = struct.Struct('<BQ')
+_MESSAGE = struct.Struct('<HIQQ')
+_FOOTER_SIZE = _HEAD.size + 20
+_KEPT = 2**26
+"""Bytes of unpacked chunks that are kept."""
+_OUTSIDE = -1
+"""Block of a message in no chunk."""
+
+
+class _DamageError(ValueError):
+    """The bytes at some place are no record."""
+
+
+class McapFile:
+    """An MCAP file; see `StorageFile`.
+
+    Raises
+    ------
+    BagError
+        It cannot be opened.
+
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.finished = False
+        self.metadata: str | None = None
+        self.storage = 'mcap'
+        self.defects: list[str] = []
+        self.cut_off: str | None = None
+        self._schemas: dict[int, str] = {}
+        self._channels: dict[int, tuple[str, str]] = {}
+        self._chunks: OrderedDict[int, bytes] = OrderedDict()
+        self._file: BinaryIO | None = None
+        try:
+            self._size = path.stat().st_size
+        except OSError as error:
+            raise BagError(f'{path} cannot be read: {error.strerror}') from error
+
+    def close(self) -> None:
+        """Leave the file; whoever reads again opens it again."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def scan(self) -> Iterator[StoredMessage]:
+        """Yield all messages that can be read, in the order of recording."""
+        if self._bytes(0, len(MAGIC)) != MAGIC:
+            raise BagError(f'{self.path} is no MCAP file')
+        starts = self._summary()
+        at = len(MAGIC)
+        while at < self._size:
+            try:
+                op, body = self._record(at)
+            except _DamageError as error:
+                onward = min((start for start in starts if start > at), default=None)
+                if not self.finished:
+                    self.cut_off = (
+                        f'it was never closed, and ends in the middle of a record, at byte {at} of {self._size}'
+                    )
+                    return
+                self.defects.append(f'{self.path.name}: {error} at byte {at} of {self._size}')
+                if onward is None:
+                    return
+                at = onward
+                continue
+            if op in (Opcode.DATA_END, Opcode.FOOTER):
+                return
+            yield from self._messages(op, at, body)
+            at += _HEAD.size + len(body)
+
+    def read(self, block: int, at: int) -> bytes:
+        """Return the data of a message at its place."""
+        if block == _OUTSIDE:
+            return unpack_message(self._record(at)[1][_MESSAGE.size :])
+        if block not in self._chunks:
+            self._keep(block, self._unpacked(self._record(block)[1]))
+        self._chunks.move_to_end(block)
+        content = self._chunks[block]
+        _, size = _HEAD.unpack_from(content, at)
+        return unpack_message(content[at + _HEAD.size + _MESSAGE.size : at + _HEAD.size + size])
+
+    def _messages(self, op: int, at: int, body: bytes) -> Iterator[StoredMessage]:
+        try:
+            if op == Opcode.MESSAGE:
+                yield self._message(_OUTSIDE, at, body)
+            elif op == Opcode.CHUNK:
+                content = self._unpacked(body)
+                self._keep(at, content)
+                yield from self._in_chunk(at, content)
+            else:
+                self._take(op, body)
+        except (_DamageError, DecompressionError) as error:
+            self.defects.append(f'{self.path.name}: the record at byte {at} is damaged and left out: {error}')
+
+    def _in_chunk(self, block: int, content: bytes) -> Iterator[StoredMessage]:
+        at = 0
+        while at < len(content):
+            if at + _HEAD.size > len(content):
+                raise _DamageError('a record in it is cut off')
+            op, size = _HEAD.unpack_from(content, at)
+            begin = at + _HEAD.size
+            if begin + size > len(content):
+                raise _DamageError('a record in it is longer than the chunk')
+            if op == Opcode.MESSAGE:
+                yield self._message(block, at, content[begin : begin + size])
+            else:
+                self._take(op, content[begin : begin + size])
+            at = begin + size
+
+    def _message(self, block: int, at: int, body: bytes) -> StoredMessage:
+        if len(body) < _MESSAGE.size:
+            raise _DamageError('a message in it is cut off')
+        channel, _, stamp, _ = _MESSAGE.unpack_from(body)
+        if channel not in self._channels:
+            raise _DamageError(f'no topic is known for channel {channel}')
+        topic, kind = self._channels[channel]
+        return StoredMessage(topic, kind, stamp, block, at, unpack_message(body[_MESSAGE.size :]))
+
+    def _take(self, op: int, body: bytes) -> None:
+        """Note what a record says of the messages."""
+        if op == Opcode.SCHEMA:
+            schema: Schema = _parsed(Schema, body)
+            self._schemas[schema.id] = schema.name
+        elif op == Opcode.CHANNEL:
+            channel: Channel = _parsed(Channel, body)
+            kind = self._schemas.get(channel.schema_id, '')
+            self._channels[channel.id] = (channel.topic.removeprefix('/'), kind)
+        elif op == Opcode.METADATA:
+            found: Metadata = _parsed(Metadata, body)
+            if found.name == 'rosbag2':
+                self.metadata = found.metadata.get('serialized_metadata')
+
+    def _summary(self) -> list[int]:
+        """Read the index at the end, if there is one; return where chunks begin."""
+        starts: list[int] = []
+        self.finished = self._bytes(self._size - len(MAGIC), len(MAGIC)) == MAGIC and self._size > len(MAGIC)
+        if not self.finished:
+            return starts
+        try:
+            _, body = self._record(self._size - len(MAGIC) - _FOOTER_SIZE)
+            footer: Footer = _parsed(Footer, body)
+            at = footer.summary_start
+            while 0 < at < self._size - len(MAGIC) - _FOOTER_SIZE:
+                op, body = self._record(at)
+                if op == Opcode.CHUNK_INDEX:
+                    index: ChunkIndex = _parsed(ChunkIndex, body)
+                    starts.append(index.chunk_start_offset)
+                else:
+                    self._take(op, body)
+                at += _HEAD.size + len(body)
+        except _DamageError:
+            self.defects.append(f'{self.path.name}: its index is damaged')
+        return starts
+
+    def _record(self, at: int) -> tuple[int, bytes]:
+        head = self._bytes(at, _HEAD.size)
+        if len(head) < _HEAD.size:
+            raise _DamageError('a record is cut off')
+        op, size = _HEAD.unpack(head)
+        if at + _HEAD.size + size > self._size:
+            raise _DamageError('a record is longer than the file')
+        if not op or size > 2 * LARGEST:
+            raise _DamageError('a record cannot be')
+        return op, self._bytes(at + _HEAD.size, size)
+
+    def _unpacked(self, body: bytes) -> bytes:
+        chunk: Chunk = _parsed(Chunk, body)
+        return unpack_chunk(chunk.data, chunk.compression, chunk.uncompressed_size, chunk.uncompressed_crc)
+
+    def _keep(self, block: int, content: bytes) -> None:
+        self._chunks[block] = content
+        while len(self._chunks) > 1 and sum(map(len, self._chunks.values())) > _KEPT:
+            self._chunks.popitem(last=False)
+
+    def _bytes(self, at: int, size: int) -> bytes:
+        try:
+            if self._file is None:
+                self._file = self.path.open('rb')
+            self._file.seek(max(at, 0))
+            return self._file.read(size)
+        except OSError as error:
+            raise BagError(f'{self.path} cannot be read: {error.strerror}') from error
+
+
+def _parsed(kind: Any, body: bytes) -> Any:
+    try:
+        return kind.read(ReadDataStream(BytesIO(body)))
+    except (McapError, ValueError, struct.error, KeyError) as error:
+        raise _DamageError(f'a {kind.__name__} is none') from error

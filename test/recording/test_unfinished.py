@@ -1,0 +1,173 @@
+"""Bags whose recorder was killed: what was given to the disk is read, its loss is said, and it becomes a whole bag."""
+
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages, write
+from rosbags.rosbag2 import Reader
+
+from kapitsa_ros.network import registry
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.naming import run_folders
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.recover import recover
+from kapitsa_ros.recording.writer import RunWriter
+
+STORAGES = ['mcap', 'sqlite3']
+
+
+def killed(path: Path, storage: str, *, steps: int = 13, end: bool = False) -> Path:
+    """Let a recorder be killed after so many steps."""
+    script = (
+        'import os, signal, sys; sys.path.insert(0, sys.argv[1]); from pathlib import Path\n'
+        'import bag_of_a_made_up_run as made\n'
+        'path, storage, steps, end = Path(sys.argv[2]), sys.argv[3], int(sys.argv[4]), sys.argv[5] == "True"\n'
+        'writer = made.RunWriter(path, storage, made.SETTINGS, 5)\n'
+        'ids = [made.StepId(1, step) for step in range(steps)] + [made.StepId(1, steps, end=True)] * end\n'
+        'for step_id in ids:\n'
+        '    writer.write_step(made.CLOCK.start_ns(step_id), made.step_messages(step_id))\n'
+        'os.kill(os.getpid(), signal.SIGKILL)'
+    )
+    command = [sys.executable, '-c', script, str(Path(__file__).parent), str(path), storage, str(steps), str(end)]
+    assert subprocess.run(command, check=False).returncode == -signal.SIGKILL
+    return path
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_a_kill_costs_half_a_second_at_most_and_the_rest_is_read(tmp_path: Path, storage: str) -> None:
+    bag = RunBag(killed(tmp_path / 'run', storage))
+    assert bag.steps == 10, 'of 13'
+    assert bag.integrity.ok
+    assert not bag.complete
+    assert bag.motion.angle.size == 1001
+    assert bag.run.period == 0.5
+    assert bag.defects[-2:] == (
+        'it has no metadata.yaml: it was never finished, or is part of a bag',
+        'run 1 has no end: it was interrupted, or what came after step 9 is lost',
+    )
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_long_steps_are_not_kept_back_longer(tmp_path: Path, storage: str) -> None:
+    """Steps of 0.25 s: two of them are half a second, whatever `steps_a_chunk` says."""
+    writer = RunWriter(tmp_path / 'run', storage, SETTINGS, steps_a_chunk=1000)
+    for step in range(9):
+        writer.write_step(StepId(1, step).run + step * 250_000_000, step_messages(StepId(1, step)))
+    bag = RunBag(tmp_path / 'run')  # as somebody would find it if the recorder were killed now
+    assert bag.steps >= 8
+    writer.abort()
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_what_was_given_to_the_disk_is_put_on_it_once_a_second(
+    tmp_path: Path, storage: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now, synced = 0.0, []
+    wait = os.fdatasync
+    monkeypatch.setattr(os, 'fdatasync', lambda descriptor: (synced.append(now), wait(descriptor)))
+    writer = RunWriter(tmp_path / 'run', storage, SETTINGS, steps_a_chunk=5, clock=lambda: now)
+    for step in range(100):  # 10 s simulated in 5 s of wall time
+        now = step * 0.05
+        writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step)))
+        writer.sync()
+    assert len(synced) == 4
+    assert all(1.0 <= later - earlier <= 1.25 + 1e-9 for earlier, later in pairwise([0.0, *synced]))
+    now = 60.0
+    writer.sync()  # the rig stands still: what was written before goes on disk all the same
+    assert len(synced) == 5
+    writer.sync()
+    assert len(synced) == 5, 'nothing is left to be put there'
+    writer.abort()
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+@pytest.mark.parametrize(('steps', 'end'), [(12, False), (14, True)])
+def test_a_killed_bag_becomes_a_whole_one_in_its_place(tmp_path: Path, storage: str, steps: int, *, end: bool) -> None:
+    path = killed(tmp_path / 'run', storage, steps=steps, end=end)
+    before = RunBag(path)
+    messages = list(before.raw(*(topic.name for topic in registry.RECORDED)))
+    [made] = recover(path)
+    assert made.bag == path
+    assert made.steps == before.steps
+    assert made.lost == 0.0
+    assert made.reason == (
+        'it came to its end' if before.complete else
+        'the recorder was killed, or the machine stopped, before it could write metadata.yaml'
+    )  # fmt: skip
+    after = RunBag(path)
+    assert after.integrity.ok
+    assert after.complete == before.complete == end
+    assert list(after.raw(*(topic.name for topic in registry.RECORDED))) == messages
+    assert after.settings_texts == SETTINGS
+    with Reader(path) as reader:  # any reader of rosbag2's bags takes it now
+        assert reader.message_count == len(messages) + len(SETTINGS) + (steps + end) // 5, 'a digest for five steps'
+    assert sorted(tmp_path.iterdir()) == [path], 'nothing is left beside it'
+    assert len(list(path.iterdir())) == 2, 'metadata and the file'
+    assert recover(path)[0].steps == made.steps, 'a whole bag stays as it is'
+
+
+def test_a_bag_under_way_is_not_recovered_but_can_be_looked_into(tmp_path: Path) -> None:
+    writer = RunWriter(tmp_path / 'run', 'mcap', SETTINGS, steps_a_chunk=5)
+    for step in range(6):
+        writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step)))
+    assert RunBag(tmp_path / 'run').steps == 5
+    with pytest.raises(BagError, match='is being recorded: end the run first'):
+        recover(tmp_path / 'run')
+    writer.close(complete=False)
+    assert RunBag(tmp_path / 'run').steps == 6
+
+
+def test_what_one_bag_cannot_take_over_stays_where_it_is(tmp_path: Path) -> None:
+    path = write(tmp_path / 'run')
+    file = path / 'run_0.mcap'
+    raw = bytearray(file.read_bytes())
+    raw[len(raw) // 3] ^= 1
+    file.write_bytes(bytes(raw))
+    (path / 'metadata.yaml').unlink()
+    with pytest.raises(BagError, match=r'holds more than one whole bag can take over: .*; give --output'):
+        recover(path)
+    assert file.read_bytes() == raw
+    [made] = recover(path, tmp_path / 'made')
+    assert made.bag == tmp_path / 'made' / 'run'
+    assert any('are damaged' in defect for defect in made.defects)
+    assert RunBag(made.bag).steps == RunBag(path).steps
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_folders_of_runs_hold_unfinished_ones_too(tmp_path: Path, storage: str) -> None:
+    runs = (write(tmp_path / 'run_01'), killed(tmp_path / 'run_02', storage))
+    assert run_folders([tmp_path]) == runs
+
+
+def test_commands_open_what_was_never_finished_and_say_so(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
+    shipped = Path(__file__).parents[2] / 'bags' / 'run_01_2240rpm'
+    path = tmp_path / 'run'
+    path.mkdir()
+    raw = (shipped / 'run_01_2240rpm.mcap').read_bytes()
+    (path / 'run_0.mcap').write_bytes(raw[: len(raw) * 19 // 20])
+    told = kapitsa('bag', 'info', path, '--json')
+    assert not told.json['complete']
+    assert told.json['digest_ok'] is None
+    assert told.json['messages'] < 939
+    assert 'kapitsa: warning: ' in told.err
+    assert 'ends in the middle of a record' in told.err
+    assert 'it was never finished' in told.err
+    analysed = kapitsa('analyse', path, '--json')
+    assert analysed.json['runs'][0]['speed_reading_rpm'] == 2240.0
+    assert analysed.json['runs'][0]['samples'] > 14000
+    assert analysed.json['runs'][0]['defects'] == told.json['defects']
+    assert 'has no end' in analysed.err
+    done = kapitsa('bag', 'recover', path, '--json')
+    assert done.json['recovered'][0]['steps'] == pytest.approx(told.json['messages'] / 6, abs=2)
+    assert kapitsa('bag', 'info', path, '--json').json['digest_ok'] is True
+    after = kapitsa('analyse', path, '--json').json['runs'][0]
+    assert after['samples'] == analysed.json['runs'][0]['samples']
+    assert after['gaps'] == 0
