@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 DIGEST_TOPIC = 'recorder/digest'
 """std_msgs/String, JSON: what the group of steps before it comes to."""
+DIGEST_KEY, LAST_GROUP_KEY = 'digest', 'last_group'
+"""Keys of the bag's custom data: digest of the run, and of the last message about a group, to which the others lead."""
 SIZE = 16
 """Bytes of the digest of a message."""
 
@@ -94,7 +96,8 @@ class RunDigest:
         self._whole = sha256()
         self._group: dict[str, list[bytes]] = {}
         self._ids: list[StepId] = []
-        self._previous = ''
+        self.last_group = ''
+        """Digest of the last message about a group."""
 
     def add(self, step_id: StepId, messages: Mapping[str, bytes]) -> None:
         """Take in the messages of a step, by topic."""
@@ -117,10 +120,10 @@ class RunDigest:
             'end': self._ids[-1].end,
             'topics': {name: digest_of(found) for name, found in self._group.items()},
             'settings': self._settings,
-            'previous': self._previous,
+            'previous': self.last_group,
         }
         raw = encode_settings(json.dumps(values))
-        self._previous = message_digest(raw).hex()
+        self.last_group = message_digest(raw).hex()
         self._group, self._ids = {}, []
         return raw
 

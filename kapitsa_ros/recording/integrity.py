@@ -8,11 +8,11 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.network.registry import RECORDED, REPLAYED
-from kapitsa_ros.recording.digest import Group, digest_of
+from kapitsa_ros.recording.digest import DIGEST_KEY, LAST_GROUP_KEY, Group, digest_of
 from kapitsa_ros.recording.run_index import in_ranges, steps_text
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from kapitsa_ros.recording.message_table import MessageTable
     from kapitsa_ros.recording.run_index import RunIndex
@@ -42,7 +42,7 @@ def run_digest(index: RunIndex, table: MessageTable) -> str:
     return whole.hexdigest()
 
 
-def leave_out_damaged(index: RunIndex, table: MessageTable, promised: str | None) -> Integrity:
+def leave_out_damaged(index: RunIndex, table: MessageTable, promised: Mapping[str, str]) -> Integrity:
     """Check a run by its digests, and leave out the steps that are not as they were written.
 
     Parameters
@@ -52,7 +52,7 @@ def leave_out_damaged(index: RunIndex, table: MessageTable, promised: str | None
     table
         Of its bag.
     promised
-        Digest of the run by the metadata; None where it states none.
+        The recorder's own words in the metadata, by their keys.
 
     """
     found = Integrity()
@@ -66,12 +66,19 @@ def leave_out_damaged(index: RunIndex, table: MessageTable, promised: str | None
             f'step {step} of {topic} stands there twice with different content: '
             f'several runs of the number {index.number} were put together; give their bags one by one'
         )
-    if promised is not None and found.refusal is None:
-        as_promised = run_digest(index, table) == promised
+    if DIGEST_KEY in promised and found.refusal is None:
+        as_promised = run_digest(index, table) == promised[DIGEST_KEY] and _last_group(index) in (
+            None,
+            promised.get(LAST_GROUP_KEY),
+        )
         if not as_promised and not found.defects and (not index.groups or index.end is not None):
             found.refusal = 'its messages are not those whose digest its metadata states: files were exchanged'
         found.ok = as_promised
     return found
+
+
+def _last_group(index: RunIndex) -> str | None:
+    return max(index.groups, key=lambda group: group.last).own if index.groups else None
 
 
 def _check_groups(index: RunIndex, table: MessageTable, found: Integrity) -> None:

@@ -32,7 +32,7 @@ from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
 from kapitsa_ros.recording.motion import Motion, joined_motion
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_index import steps_text
-from kapitsa_ros.recording.writer import DIGEST_KEY, FORMAT, FORMAT_KEY
+from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -81,7 +81,7 @@ class RunBag:
         self._index = self._chosen(run)
         self.several = len(_begun(self._recording)) > 1
         """Whether the bag holds other runs too."""
-        promised = None if self.several else self._recording.promise.custom.get(DIGEST_KEY)
+        promised = {} if self.several else self._recording.promise.custom
         self.integrity = leave_out_damaged(self._index, self._recording.table, promised)
         """What the digests say."""
 
@@ -317,8 +317,10 @@ class RunBag:
         needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
         needed += map(settings_topic, described_by(_REQUIRED))
         missing = [name for name in needed if name not in self.topics]
-        if missing:
-            raise BagError(f'{self.path} is no run of this rig: it lacks {", ".join(missing)}')
+        wrong = [recording.wrong_types[name] for name in needed if name in recording.wrong_types]
+        if missing or wrong:
+            lacks = [f'it lacks {", ".join(missing)}'] if missing else []
+            raise BagError(f'{self.path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}')
         numbers = sorted(begun) or sorted(recording.runs)
         if not numbers:
             raise BagError(f'{self.path} holds no step of a run')

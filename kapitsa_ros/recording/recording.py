@@ -66,6 +66,8 @@ class Recording:
         self.table = MessageTable()
         self.topics: dict[str, str] = {}
         """Type by name, of all that were recorded."""
+        self.wrong_types: dict[str, str] = {}
+        """Of topics of the rig that have messages of another type: by name, a sentence."""
         self.settings: list[LatchedSettings] = []
         self.runs: dict[int, RunIndex] = {}
         self.damages: list[str] = []
@@ -132,7 +134,8 @@ class Recording:
         elif topic not in _TYPES:
             return
         elif message.type != _TYPES[topic]:
-            self._left_out[f'{topic} is of type {message.type or "unknown"}, not {_TYPES[topic]}'] += 1
+            self.wrong_types[topic] = f'{topic} is of type {message.type or "unknown"}, not {_TYPES[topic]}'
+            self._left_out[self.wrong_types[topic]] += 1
         elif topic in _ROLES:
             self._take_settings(message)
         else:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.errors import OPTION
+from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import open_runs
@@ -105,8 +106,9 @@ def _write(run: RunBag, path: Path) -> None:
     _ = run.run  # what is no run is refused before anything is written
     writer = RunWriter(path, run.storage, run.settings_texts, _STEPS_A_CHUNK)
     try:
-        for stamp, messages in groupby(run.raw(*_TOPICS), key=lambda message: message[1]):
-            writer.write_step(stamp, {topic: raw for topic, _, raw in messages})
+        for _, step in groupby(run.raw(*_TOPICS), key=lambda message: read_step_id(message[2])):
+            messages = list(step)
+            writer.write_step(messages[0][1], {topic: raw for topic, _, raw in messages})
         writer.close(complete=run.complete)
     except BaseException:
         writer.abort()

@@ -11,10 +11,34 @@ import sqlite3
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 if TYPE_CHECKING:
-    from rosbags.rosbag2 import Writer
+    from rosbags.rosbag2 import CompressionMode
+
+
+class _Sqlite3Storage(Sqlite3Writer):
+    """As rosbags writes it; but rosbags takes a name with `?`, `#` or `%` for another one."""
+
+    def __init__(self, path: Path, compression: CompressionMode) -> None:  # noqa: ARG002 - sqlite has none
+        self.path = path / f'{path.name}_0.db3'
+        self.conn = sqlite3.connect(self.path)
+        self.conn.execute('PRAGMA journal_mode=WAL')
+        self.conn.execute('PRAGMA synchronous=NORMAL')
+        self.conn.executescript(self.SQLITE_SCHEMA)
+        self.cursor = self.conn.cursor()
+
+
+class BagWriter(Writer):
+    """The writer of rosbags, for any name of a folder."""
+
+    STORAGE_PLUGINS: ClassVar[dict[StoragePlugin, Any]] = {
+        **Writer.STORAGE_PLUGINS,
+        StoragePlugin.SQLITE3: _Sqlite3Storage,
+    }
 
 
 class StorageControl(ABC):
@@ -109,13 +133,7 @@ class Sqlite3Control(StorageControl):
         self._storage.conn.execute('PRAGMA journal_mode=DELETE')
 
     def _rename(self, old: Path) -> None:
-        self._storage.conn.close()
-        old.rename(self._path)
-        base = sqlite3.connect(self._path)
-        base.execute('PRAGMA journal_mode=WAL')
-        base.execute('PRAGMA synchronous=NORMAL')
-        self._storage.conn = base
-        self._storage.cursor = base.cursor()
+        """Do nothing: it was made under its name."""
 
 
 STORAGE_CONTROLS: dict[str, type[StorageControl]] = {'mcap': McapControl, 'sqlite3': Sqlite3Control}

@@ -8,16 +8,16 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
-from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer, WriterError
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, WriterError
 from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.network.settings import SETTINGS_TYPE, encode_settings, settings_topic
 from kapitsa_ros.network.step_clock import SECOND
-from kapitsa_ros.recording.digest import DIGEST_TOPIC, RunDigest
+from kapitsa_ros.recording.digest import DIGEST_KEY, DIGEST_TOPIC, LAST_GROUP_KEY, RunDigest
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS
+from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS, BagWriter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 STORAGES = tuple(STORAGE_CONTROLS)
 FORMAT = 2
 """Of the bags written; those that came before it say none. A reader takes its own and what came before."""
-FORMAT_KEY, COMPLETE, DIGEST_KEY = 'format', 'complete', 'digest'
+FORMAT_KEY, COMPLETE = 'format', 'complete'
 """Keys of the bag's custom data; `complete` is `true` once the end of the run has been written."""
 _LONGEST_CHUNK = SECOND // 2
 """Simulated ns that are kept back at most; a process that is killed loses them."""
@@ -90,7 +90,7 @@ class RunWriter:
         self._clock = clock
         self._synced_at, self._to_sync = clock(), False
         try:
-            self._writer = Writer(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
+            self._writer = BagWriter(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
             if storage == 'mcap':
                 self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
             self._writer.open()
@@ -168,6 +168,7 @@ class RunWriter:
             self._writer.set_custom_data(FORMAT_KEY, str(FORMAT))
             self._writer.set_custom_data(COMPLETE, str(complete).lower())
             self._writer.set_custom_data(DIGEST_KEY, self._digest.value)
+            self._writer.set_custom_data(LAST_GROUP_KEY, self._digest.last_group)
             self._storage.settle()
             self._writer.close()
             self._storage.sync_closed()

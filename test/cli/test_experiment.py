@@ -52,7 +52,11 @@ def test_keys_are_those_of_the_contract(recorded: Recorded) -> None:
         'plant', 'instruments', 'protocol', 'seed', 'version',
     }  # fmt: skip
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):
-        assert set(run) == {'bag', 'speed_reading_rpm', 'period_s', 'slow_rpm', 'fell', 'samples', 'gaps'}
+        assert set(run) == {
+            'bag', 'run', 'speed_reading_rpm', 'period_s', 'slow_rpm', 'fell', 'samples', 'gaps', 'digest_ok',
+            'defects',
+        }  # fmt: skip
+        assert run['digest_ok'] is True
         assert run['speed_reading_rpm'] == pytest.approx(rpm, abs=11)
         assert run['gaps'] == 0
         assert not run['fell']

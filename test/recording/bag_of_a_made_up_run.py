@@ -23,13 +23,13 @@ SETTINGS = {
 }
 
 
-def step_messages(step_id: StepId) -> dict[str, bytes]:
+def step_messages(step_id: StepId, samples: int = 100) -> dict[str, bytes]:
     """Return the messages of a step of a made-up run: let go at step 4, both readings at step 8."""
     stamp = CLOCK.start_ns(step_id)
     if step_id.end:
         return {topic.name: topic.codec.encode_silence(stamp, step_id) for topic in registry.RECORDED[1:]}
-    time = CLOCK.start(step_id) + np.linspace(0.0, 0.1, 101)
-    motion = SampledMotion(0.001, np.sin(time), np.cos(time), -np.sin(time))
+    time = CLOCK.start(step_id) + np.linspace(0.0, 0.1, samples + 1)
+    motion = SampledMotion(0.1 / samples, np.sin(time), np.cos(time), -np.sin(time))
     read = step_id.step == 8
     strobe = StrobeReading(time=CLOCK.start(step_id), speed=234.0) if read else None
     timed = StopwatchReading(pressed_at=CLOCK.start(step_id), displayed=1.5, swings=3, kind='timed') if read else None
@@ -45,12 +45,20 @@ def step_messages(step_id: StepId) -> dict[str, bytes]:
     }
 
 
-def write(path: Path, *, storage: str = 'mcap', leave_out: int | None = None, end: bool = True) -> Path:
-    writer = RunWriter(path, storage, SETTINGS, steps_a_chunk=5)
+def write(
+    path: Path,
+    *,
+    storage: str = 'mcap',
+    leave_out: int | None = None,
+    end: bool = True,
+    samples: int = 100,
+    settings: dict[str, str] = SETTINGS,
+) -> Path:
+    writer = RunWriter(path, storage, settings, steps_a_chunk=5)
     for step in range(12):
         if step != leave_out:
-            writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step)))
+            writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step), samples))
     if end:
-        writer.write_step(CLOCK.start_ns(StepId(1, 12)), step_messages(StepId(1, 12, end=True)))
+        writer.write_step(CLOCK.start_ns(StepId(1, 12)), step_messages(StepId(1, 12, end=True), samples))
     writer.close(complete=end)
     return path

@@ -33,8 +33,8 @@ MAGIC = b'\x89MCAP0\r\n'
 _HEAD = struct.Struct('<BQ')
 _MESSAGE = struct.Struct('<HIQQ')
 _FOOTER_SIZE = _HEAD.size + 20
-_KEPT = 2**26
-"""Bytes of unpacked chunks that are kept."""
+_KEPT, _OVERHEAD = 2**26, 200
+"""Bytes of unpacked chunks that are kept, and what each costs besides."""
 _OUTSIDE = -1
 """Block of a message in no chunk."""
 
@@ -63,6 +63,7 @@ class McapFile:
         self._schemas: dict[int, str] = {}
         self._channels: dict[int, tuple[str, str]] = {}
         self._chunks: OrderedDict[int, bytes] = OrderedDict()
+        self._kept = 0
         self._file: BinaryIO | None = None
         try:
             self._size = path.stat().st_size
@@ -201,9 +202,11 @@ class McapFile:
         return unpack_chunk(chunk.data, chunk.compression, chunk.uncompressed_size, chunk.uncompressed_crc)
 
     def _keep(self, block: int, content: bytes) -> None:
-        self._chunks[block] = content
-        while len(self._chunks) > 1 and sum(map(len, self._chunks.values())) > _KEPT:
-            self._chunks.popitem(last=False)
+        if block not in self._chunks:
+            self._chunks[block] = content
+            self._kept += len(content) + _OVERHEAD
+        while len(self._chunks) > 1 and self._kept > _KEPT:
+            self._kept -= len(self._chunks.popitem(last=False)[1]) + _OVERHEAD
 
     def _bytes(self, at: int, size: int) -> bytes:
         try:

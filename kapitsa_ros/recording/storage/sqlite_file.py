@@ -57,7 +57,7 @@ class SqliteFile:
         except OSError as error:
             raise BagError(f'{path} cannot be read: {error.strerror}') from error
         except _ERRORS as error:
-            raise BagError(f'{path} is damaged: {error}') from error
+            raise BagError(f'{path} is damaged: {_first_line(error)}') from error
 
     def close(self) -> None:
         """Leave the file; whoever reads again opens it again."""
@@ -83,21 +83,24 @@ class SqliteFile:
             except _ERRORS:
                 pass  # that is where the damage ends
             after = 'its beginning' if last is None else f'message {last}'
-            self.defects.append(f'{self.path.name}: damaged after {after} ({error})')
+            self.defects.append(f'{self.path.name}: damaged after {after} ({_first_line(error)})')
             for number in reversed(beyond):
                 yield from self._message(*self._row(number))
 
     def read(self, block: int, at: int) -> bytes:  # noqa: ARG002 - rows lie in one block
         """Return the data of a message at its place."""
-        return unpack_message(self._row(at)[3])
+        data = self._row(at)[3]
+        if not isinstance(data, bytes):
+            raise BagError(f'{self.path} is damaged: message {at} is gone')
+        return unpack_message(data)
 
     def _row(self, number: int) -> Any:
         query = 'SELECT id, topic_id, timestamp, data FROM messages WHERE id=?'
         try:
             with closing(self._base.execute(query, (number,))) as found:
-                return found.fetchone()
+                return found.fetchone() or (number, None, None, None)
         except _ERRORS as error:
-            raise BagError(f'{self.path} is damaged: {error}') from error
+            raise BagError(f'{self.path} is damaged: {_first_line(error)}') from error
 
     def _message(self, number: Any, topic_id: Any, stamp: Any, data: Any) -> Iterator[StoredMessage]:
         known = self._topics.get(topic_id)
@@ -132,7 +135,12 @@ class SqliteFile:
             mode = 'mode=ro&immutable=1' if self._place == self.path else 'mode=rw'
             address = f'file:{quote(str(self._place.absolute()))}?{mode}'
             self._opened = sqlite3.connect(address, uri=True, check_same_thread=False)
+            self._opened.text_factory = lambda raw: raw.decode(errors='replace')
             self._opened.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LARGEST)
             # A fault on a page in the middle must not be taken for the end of the file.
             self._opened.execute('PRAGMA cell_size_check=ON')
         return self._opened
+
+
+def _first_line(error: BaseException) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0]
