@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import yaml
 
+from kapitsa_ros.bounded_yaml import load_yaml
 from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def read_mapping(path: Path, error: type[KapitsaError]) -> dict[str, Any]:
 
     """
     try:
-        document = yaml.safe_load(path.read_text(encoding='utf-8'))
+        document = load_yaml(path.read_text(encoding='utf-8'))
     except (yaml.YAMLError, UnicodeDecodeError) as cause:
         raise error(f'{path} is not YAML: {str(cause).splitlines()[0]}') from cause
     except OSError as cause:

@@ -11,12 +11,14 @@ import sqlite3
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rosbags.rosbag2 import CompressionMode
 
 
@@ -35,10 +37,7 @@ class _Sqlite3Storage(Sqlite3Writer):
 class BagWriter(Writer):
     """The writer of rosbags, for any name of a folder."""
 
-    STORAGE_PLUGINS: ClassVar[dict[StoragePlugin, Any]] = {
-        **Writer.STORAGE_PLUGINS,
-        StoragePlugin.SQLITE3: _Sqlite3Storage,
-    }
+    STORAGE_PLUGINS: Mapping[StoragePlugin, Any] = {**Writer.STORAGE_PLUGINS, StoragePlugin.SQLITE3: _Sqlite3Storage}
 
 
 class StorageControl(ABC):
