@@ -8,6 +8,8 @@ from setuptools import find_packages, setup
 
 NAME = 'kapitsa_ros'
 SHARE = Path('share') / NAME
+SOURCE = Path(__file__).resolve().parent
+"""`colcon build --symlink-install` runs a link to this file, beside which are links to what is installed alone."""
 
 
 def version() -> str:
@@ -32,7 +34,7 @@ def node_scripts() -> list[str]:
     scripts = []
     for module in sorted(Path(NAME, 'nodes').glob('[!_]*.py')):
         script = folder / module.stem
-        shutil.copyfile(Path('resource', 'node_script'), script)
+        shutil.copyfile(Path(SOURCE, 'resource', 'node_script'), script)
         script.chmod(0o755)
         scripts.append(str(script))
     return scripts
@@ -93,7 +95,7 @@ setup(
     name=NAME,
     version=version(),
     description="Kapitsa's inverted pendulum on a jigsaw: the 1997 laboratory as ROS 2 nodes",
-    long_description=Path('README.md').read_text(encoding='utf-8'),
+    long_description=Path(SOURCE, 'README.md').read_text(encoding='utf-8'),
     long_description_content_type='text/markdown',
     license='Apache-2.0',
     maintainer='kapitsa_ros developers',

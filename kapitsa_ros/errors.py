@@ -10,6 +10,17 @@ OPTION = '{option}'
 """Stands for the option in the message of an error that names one."""
 
 
+def shorten(text: str, longest: int = 400) -> str:
+    """Return a text on one line of so many characters at most, without its middle where it is longer."""
+    if len(text) > 4 * longest:  # it may be a megabyte
+        text = f'{text[: 2 * longest]} {text[-2 * longest :]}'
+    line = ' '.join(text.split())
+    if len(line) <= longest:
+        return line
+    end = longest // 3
+    return f'{line[: longest - end - 3]} … {line[-end:]}'
+
+
 class KapitsaError(Exception):
     """An error its user can correct; the message is one line that says how.
 

@@ -69,11 +69,10 @@ def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
             'PYTHONPATH': str(next(index.glob('lib/python*/site-packages'))),
             'PATH': f'{Path(sys.executable).parent}:{os.environ["PATH"]}',
             'ROS_DOMAIN_ID': '98',
-            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
         }
         return subprocess.Popen(
             [Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros' / role, '--ros-args', *arguments],
-            env=os.environ | loopback() | environment,  # other transports leave their ports in /dev/shm
+            env=os.environ | loopback() | environment,
             cwd=index,
             stderr=subprocess.PIPE,
             text=True,
@@ -113,3 +112,14 @@ def test_an_installed_executable_refuses_a_wrong_parameter_in_one_line(
     assert process.returncode == 2
     assert err.startswith(f'{role}: error: {said}')
     assert err.count('\n') == 1
+
+
+def test_links_to_what_is_installed_are_enough_to_build(tmp_path: Path) -> None:
+    """`colcon build --symlink-install` runs a link to setup.py; README.md is not beside it."""
+    for name in ('setup.py', 'setup.cfg', 'package.xml', 'kapitsa_ros', 'config', 'launch'):
+        (tmp_path / name).symlink_to(CHECKOUT / name)
+    done = subprocess.run(
+        [sys.executable, 'setup.py', '--name'], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.stdout.splitlines()[-1:] == ['kapitsa_ros'], done.stderr
+    assert {path.name for path in (tmp_path / 'build' / 'node_scripts').iterdir()} == ROLES

@@ -11,9 +11,10 @@ import click
 
 from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
+from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
-from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError
+from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
 
 
 class _Commands(click.Group):
@@ -43,6 +44,7 @@ def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     interrupt_on_signals()
     write_out_unknown_signs()
+    forget_useless_width()
     try:
         kapitsa.main(prog_name='kapitsa', standalone_mode=False)
     except click.UsageError as error:
@@ -67,5 +69,5 @@ def main() -> None:
 
 
 def _leave(message: str, status: int) -> None:
-    print(f'kapitsa: error: {" ".join(message.split())}', file=sys.stderr)
+    print(f'kapitsa: error: {shorten(message)}', file=sys.stderr)
     sys.exit(status)

@@ -15,6 +15,7 @@ from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings, refuse_mixed_units
 from kapitsa_ros.analysis.timing_row import TimingRow
 from kapitsa_ros.configuration.files import find_file
+from kapitsa_ros.errors import shorten
 from kapitsa_ros.network.timing import Kind
 from kapitsa_ros.output_file import replacing
 from kapitsa_ros.units import RPM
@@ -30,6 +31,8 @@ COLUMNS = (
 )  # fmt: skip
 """Of a table; the first two are required, the others may be left out."""
 _REQUIRED = COLUMNS[:2]
+_MOST_NAMES, _LONGEST_NAME = 6, 40
+"""Of the columns that an error lists."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +115,7 @@ def read_timings(path: Path) -> TimingTable:
             )
         rows.append(_row(path, number, dict(zip(names, texts, strict=False))))
     unknown = [name for name in names if name and name not in COLUMNS]
-    warnings = (f'{path}: not read: column {", ".join(unknown)}',) if unknown else ()
+    warnings = (f'{path}: not read: column {_listed(unknown)}',) if unknown else ()
     return TimingTable(rows=tuple(rows), warnings=warnings)
 
 
@@ -241,10 +244,24 @@ def _check_header(path: Path, names: list[str]) -> None:
     missing = [name for name in _REQUIRED if name not in names]
     if missing:
         hint = ' and separate columns by commas' if len(names) == 1 else ''
+        found = f'numbers alone: {_listed(names)}' if names and all(map(_is_number, names)) else _listed(names)
         raise TableError(
-            f'{path}: no column {", ".join(missing)} (found: {", ".join(names) or "none"}): '
-            f'name the columns in the first line{hint}'
+            f'{path}: no column {", ".join(missing)} (found: {found}): name the columns in the first line{hint}'
         )
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        raise TableError(f'{path}: more than one column {", ".join(twice)}: leave one')
+        raise TableError(f'{path}: more than one column {_listed(twice)}: leave one')
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names as a line can hold them: the first few, and how many more there are."""
+    first = ', '.join(shorten(name, _LONGEST_NAME) for name in names[:_MOST_NAMES]) or 'none'
+    return f'{first} and {len(names) - _MOST_NAMES} more' if len(names) > _MOST_NAMES else first
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -7,7 +7,15 @@ import sys
 from importlib import import_module
 from typing import NoReturn
 
-from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
+from kapitsa_ros.errors import KapitsaError
+
+try:
+    from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
+except KapitsaError as refusal:  # of the middleware; no traceback where this is the program
+    if __name__ != '__main__':
+        raise
+    print(f'kapitsa: error: {refusal}', file=sys.stderr)
+    sys.exit(refusal.exit_status)
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -61,4 +69,7 @@ if __name__ == '__main__':
     leave_on_signals()
     # The matrices of a node are small: threads of a BLAS would only take the cores from the other nodes.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    # Fast DDS writes its complaints to stdout.
+    sys.stdout = os.fdopen(os.dup(1), 'w')
+    os.dup2(2, 1)
     _exit(run_node(sys.argv[1:]))

@@ -100,6 +100,8 @@ class PlayerNode(DataflowNode):
             is_new = self._emitted is None or step.index > self._emitted.index
             is_shown = step.seconds >= self._shown_from
             if is_shown and self._time.stands_still and not self._is_sought:
+                if self._report.due():  # whoever starts a replay has to know that it stands, and where
+                    self._tell(step.id, step.stamp_ns)
                 return IDLE
             # A run begins when the one before has been analysed, since settings are not numbered.
             if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):

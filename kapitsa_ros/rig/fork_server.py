@@ -22,7 +22,7 @@ from typing import NoReturn
 
 import setproctitle
 
-from kapitsa_ros.ros.arguments import PARENT_OPTION
+from kapitsa_ros.ros.arguments import NO_LOG_FILES, PARENT_OPTION
 from kapitsa_ros.ros.signals import SIGNALS, leave_on_signals
 
 DESCRIPTORS = 4
@@ -122,7 +122,7 @@ def _become_node(files: list[int], parent: int) -> int:
         os.dup2(descriptor, number)
     os.closerange(3, parameters)
     os.closerange(parameters + 1, os.sysconf('SC_OPEN_MAX'))
-    ros = ['--ros-args', '--disable-external-lib-logs', '--params-file', f'/proc/self/fd/{parameters}']
+    ros = [*NO_LOG_FILES, '--params-file', f'/proc/self/fd/{parameters}']
     arguments = [asked['role'], PARENT_OPTION, str(parent), *ros]
     setproctitle.setproctitle(' '.join([sys.executable, '-m', 'kapitsa_ros.nodes', *arguments]))
     setproctitle.setthreadtitle(asked['role'])  # for `top` and `pkill`

@@ -299,7 +299,8 @@ class Rig:
                 raise RigError(f'the session is over: {what} will not come')
             left = deadline - time.monotonic()
             if left <= 0 or math.isnan(left):
-                raise TimeoutError(f'{what} did not come within {timeout} s')
+                waiting = '' if any(self._client.seen.values()) else self._nodes.who_waits()
+                raise TimeoutError(f'{what} did not come within {timeout} s{waiting and f": {waiting}"}')
             ended = self._nodes.wait(min(left, _LOOK_PERIOD), self._client.news)
 
 

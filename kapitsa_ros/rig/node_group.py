@@ -74,6 +74,15 @@ class NodeGroup:
             raise RigError('the process that the nodes were forked from was killed, and they have left')
         return all(status == 0 for _, status in ended)
 
+    def have_joined(self) -> bool:
+        """Whether all have joined their domain."""
+        return all(process.has_joined for process in self._processes)
+
+    def who_waits(self) -> str:
+        """Return in words who waits for whom; empty if nobody has said so."""
+        waits = [(process.role, process.waits_for) for process in self._processes if process.waits_for]
+        return '; '.join(f'{role} waits for {awaited}' for role, awaited in waits)
+
     def refuse_leavers(self, patience: float) -> None:
         """Refuse that a node ended of itself, as after a signal, while others still need it.
 

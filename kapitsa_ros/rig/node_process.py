@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 from collections import deque
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.rig.fork_server_process import ForkServerProcess
 
 LAST_LINES = 20
+_JOINED, _WAITING = re.compile(r': joins domain \d+$'), re.compile(r': waiting for (.+) in domain \d+')
+"""Lines of a node: that it is there, and for whom it waits."""
 
 
 class NodeProcess:
@@ -41,6 +44,10 @@ class NodeProcess:
         self.role = role
         self._lines: deque[str] = deque(maxlen=LAST_LINES)
         self._news = threading.Condition()
+        self.has_joined = False
+        """Whether it has said that it is in its domain."""
+        self.waits_for: str | None = None
+        """For whom it waited when it last said so."""
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
@@ -103,6 +110,9 @@ class NodeProcess:
             for line in self._stderr:
                 with self._news:
                     self._lines.append(line.rstrip())
+                    self.has_joined = self.has_joined or bool(_JOINED.search(line.rstrip()))
+                    if waiting := _WAITING.search(line):
+                        self.waits_for = waiting[1]
                     self._news.notify_all()
         except ValueError:
             pass  # closed from the other side while stopping

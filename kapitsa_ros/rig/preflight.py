@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.recording.naming import refuse_existing
 from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.setup import parameters
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from kapitsa_ros.rig.setup import Setup
@@ -39,8 +41,31 @@ def prepare(setup: Setup) -> None:
                 f'{OPTION} wants {speed / RPM:.0f} RPM: the jigsaw does {MAX_SPEED / RPM:.0f} RPM at most',
                 option='protocol',
             )
+    refuse_unspeakable(parameters(setup))
     refuse_existing(setup.bags, speeds)
     make_writable(setup.bags)
+
+
+def refuse_unspeakable(values: Mapping[str, Any]) -> None:
+    """Check that parameters can be told to nodes.
+
+    Raises
+    ------
+    UsageError
+        One holds a name that is no UTF-8.
+
+    """
+    for name, value in values.items():
+        for text in [value] if isinstance(value, str) else value if isinstance(value, list) else ():
+            try:
+                str(text).encode()
+            except UnicodeEncodeError as error:
+                shown = str(text).encode(errors='surrogateescape').decode(errors='backslashreplace')
+                raise UsageError(
+                    f'{OPTION}: no UTF-8, and nodes can be told nothing else; give another name',
+                    option=name,
+                    value=shown,
+                ) from error
 
 
 def make_writable(folder: Path) -> None:

@@ -16,8 +16,9 @@ from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.formation import Formation
 from kapitsa_ros.rig.node_group import NodeGroup
-from kapitsa_ros.rig.preflight import prepare
+from kapitsa_ros.rig.preflight import prepare, refuse_unspeakable
 from kapitsa_ros.rig.setup import REPLAY_NAMES, parameters, replay_parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
 from kapitsa_ros.ros.session_monitor import SessionMonitor
@@ -123,7 +124,9 @@ def replay_bags(
     def attended(monitor: SessionMonitor) -> AbstractContextManager[None]:
         return nullcontext() if steered is None else steered(monitor.time_control(PLAYER.name))
 
-    return values(_watch(REPLAY_NAMES, replay_parameters(paths, replay), on_progress, tell, attended))
+    told = replay_parameters(paths, replay)
+    refuse_unspeakable(told)
+    return values(_watch(REPLAY_NAMES, told, on_progress, tell, attended))
 
 
 def _watch(
@@ -143,8 +146,11 @@ def _watch(
             NodeGroup(roles, values | {'expect': [*values['expect'], SESSION_MONITOR.name]}, domain) as nodes,
             attended(monitor),
         ):
+            formation = Formation(nodes)
             while not nodes.wait(WATCH_PERIOD):
                 monitor.check()
+                if not monitor.progress:
+                    formation.check()
                 if not monitor.session_over:
                     nodes.refuse_leavers(LEAVING)
                 elif not told:

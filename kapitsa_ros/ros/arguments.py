@@ -4,6 +4,8 @@ from __future__ import annotations
 
 PARENT_OPTION = '--parent-pid'
 """A node whose parent is no longer this process ends: nothing outlives its rig."""
+NO_LOG_FILES = ['--ros-args', '--disable-external-lib-logs']
+"""What is said goes to stderr and to `rosout` alone; files need a home that can be written."""
 
 
 def split_parent(arguments: list[str]) -> tuple[list[str], int | None]:

@@ -6,11 +6,15 @@ import threading
 from typing import TYPE_CHECKING, Self
 
 import rclpy
+from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
 
-from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
+from kapitsa_ros.ros.arguments import NO_LOG_FILES
+from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
+from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import wait_until_quiet
 
 if TYPE_CHECKING:
@@ -30,14 +34,24 @@ class ListenerNode:
     domain
         ROS domain of the rig.
 
+    Raises
+    ------
+    NodeError
+        No node can be made here; the message says why.
+
     """
 
     def __init__(self, name: str, domain: int) -> None:
+        refuse_unreachable()
         self._domain = domain
         self._failure: Exception | None = None
         self._context = Context()
-        rclpy.init(context=self._context, domain_id=domain)
-        self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        try:
+            # The arguments of the program are its own, and so is a home that takes log files.
+            rclpy.init(args=NO_LOG_FILES, context=self._context, domain_id=domain)
+            self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
+        except RCLError as error:
+            raise NodeError(no_node_text(error)) from error
         self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, daemon=True)

@@ -17,7 +17,9 @@ from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 from kapitsa_ros.errors import FAILED, KapitsaError
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.rclpy_errors import is_of_rclpy
+from kapitsa_ros.ros.log_files import without_log_files
+from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, no_node_text
+from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 
@@ -97,11 +99,12 @@ def _start(arguments: list[str]) -> None:
     for option, value in itertools.pairwise(arguments):
         if option == '--params-file' and not Path(value).is_file():
             raise SettingError(f'--params-file {value}: there is no such file')
+    refuse_unreachable()
     hold_signals_back()
     try:
-        rclpy.init(args=arguments, signal_handler_options=SignalHandlerOptions.NO)
+        rclpy.init(args=[*arguments, *without_log_files()], signal_handler_options=SignalHandlerOptions.NO)
     except (RCLError, UnknownROSArgsError) as error:
-        raise SettingError(f'ROS arguments: {str(error).splitlines()[0]}') from error
+        raise SettingError(f'ROS arguments: {first_line(error)}') from error
 
 
 def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
@@ -110,8 +113,7 @@ def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
     except RCLError as error:
         if not rclpy.ok():
             raise
-        domain = os.environ.get('ROS_DOMAIN_ID', 'unset')
-        raise SettingError(f'no node can be made, ROS_DOMAIN_ID is {domain}: {str(error).splitlines()[0]}') from error
+        raise SettingError(no_node_text(error)) from error
     # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
     # Not before: a signal would shut the context between a line on stderr and the same line on rosout.

@@ -2,9 +2,26 @@
 
 from __future__ import annotations
 
+import os
+
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError  # they have no public type
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
+
+
+def no_node_text(error: Exception) -> str:
+    """Return in one line why no node can be made; rcl gives ten, and of security no reason at all."""
+    if os.environ.get('ROS_SECURITY_ENABLE', '').lower() == 'true':
+        return (
+            f'no node can be made with ROS_SECURITY_ENABLE=true ({first_line(error)}): security needs keys in '
+            'ROS_SECURITY_KEYSTORE and a Fast DDS with its plugins, as a ROS installation has it; or unset it'
+        )
+    return f'no node can be made, ROS_DOMAIN_ID is {os.environ.get("ROS_DOMAIN_ID", "unset")}: {first_line(error)}'
+
+
+def first_line(error: Exception) -> str:
+    """Return the first line of what rcl says."""
+    return str(error).splitlines()[0] if str(error) else type(error).__name__
 
 
 def is_of_rclpy(error: Exception) -> bool:

@@ -53,6 +53,7 @@ def replay(
     that is played, once; viewers see that part. In a terminal, space pauses and resumes, → makes one step, ↑ and ↓
     change the rate by 10 %.
     """
+    from kapitsa_ros.cli.foreign_output import foreign_output_on_stderr  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.recording.reader import runs_of  # noqa: PLC0415
     from kapitsa_ros.rig.session import replay_bags  # noqa: PLC0415  # rclpy takes its time
@@ -71,8 +72,13 @@ def replay(
             begin, finish = values['played_s']
             click.echo(f'Played from {begin:g} to {finish:g} s; the analysis is of all that was recorded until then.')
 
-    with shown_progress(len(bags)) as on_progress:
+    with shown_progress(len(bags)) as on_progress, foreign_output_on_stderr() as own_output:
+
+        def show_early(values: dict[str, Any]) -> None:
+            with own_output():
+                show(values)
+
         steered = partial(replay_keys, rate=how.rate)
-        values = replay_bags(bags, how, on_progress, show if loop else None, steered)
+        values = replay_bags(bags, how, on_progress, show_early if loop else None, steered)
     if not loop:
         show(values)

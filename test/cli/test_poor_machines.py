@@ -1,0 +1,85 @@
+"""The command line where the machine gives little: no width, odd names, foreign styles, libraries that talk."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib.image
+import pytest
+from click.testing import CliRunner
+
+from kapitsa_ros.cli.commands.figures import figures
+from kapitsa_ros.cli.foreign_output import foreign_output_on_stderr
+from kapitsa_ros.cli.screen_width import forget_useless_width
+from kapitsa_ros.errors import shorten
+
+CHECKOUT = Path(__file__).parents[2]
+
+
+def test_what_a_library_writes_to_stdout_goes_to_stderr(capfd: pytest.CaptureFixture[str]) -> None:
+    with foreign_output_on_stderr():
+        os.write(1, b'complaint')
+    os.write(1, b'result')
+    assert capfd.readouterr() == ('result', 'complaint')
+
+
+def test_a_closed_stdout_is_left_alone() -> None:
+    program = 'from kapitsa_ros.cli.foreign_output import *\nwith foreign_output_on_stderr(): pass\nraise SystemExit(7)'
+    done = subprocess.run(['/bin/sh', '-c', 'exec "$@" >&-', '-', sys.executable, '-c', program], check=False)
+    assert done.returncode == 7
+
+
+@pytest.mark.parametrize(('given', 'left'), [('0', None), ('-1', None), ('', None), ('x', None), ('40', '40')])
+def test_a_width_that_holds_no_table_is_none(monkeypatch: pytest.MonkeyPatch, given: str, left: str | None) -> None:
+    monkeypatch.setenv('COLUMNS', given)
+    forget_useless_width()
+    assert os.environ.get('COLUMNS') == left
+
+
+def test_tables_are_printed_where_the_width_is_unknown(kapitsa) -> None:
+    answer = kapitsa('analyse', CHECKOUT / 'bags' / 'run_01_2240rpm', env={'COLUMNS': '0'})
+    assert answer.status == 0
+    assert '2240' in answer.out
+    assert max(map(len, answer.out.splitlines())) > 40
+
+
+def test_a_folder_that_nodes_cannot_be_told_is_refused_before_it_is_made(kapitsa, tmp_path: Path) -> None:
+    answer = kapitsa('experiment', '--bags', os.fsdecode(os.fsencode(tmp_path) + b'/caf\xe9'))
+    assert answer.status == 2
+    assert 'no UTF-8' in answer.err
+    assert answer.err.startswith('kapitsa: error: --bags')
+    assert answer.err.count('\n') == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_figures_do_not_depend_on_the_users_style(tmp_path: Path) -> None:
+    """LaTeX, which this style asks for, need not be installed."""
+    with matplotlib.rc_context({'text.usetex': True, 'axes.facecolor': 'black'}):
+        answer = CliRunner().invoke(figures, ['--output', str(tmp_path)])
+    assert answer.exit_code == 0, answer.output
+    assert len(list(tmp_path.iterdir())) == 4
+    corner = matplotlib.image.imread(tmp_path / 'figure_2.png')[5, 5, :3]
+    assert corner.min() == 1.0
+
+
+def test_a_header_of_a_thousand_numbers_is_told_in_one_line(kapitsa, tmp_path: Path) -> None:
+    table = tmp_path / 'wide.csv'
+    table.write_text(','.join(f'{200 + n / 10:.18e}' for n in range(3000)))
+    answer = kapitsa('reduce', table)
+    assert answer.status == 2
+    assert 'numbers alone: ' in answer.err
+    assert 'and 2994 more' in answer.err
+    assert 'name the columns in the first line' in answer.err
+    assert len(answer.err) < 500
+
+
+@pytest.mark.parametrize('size', [1, 399, 400, 401, 10_000, 1_000_000])
+def test_a_line_is_shortened_in_its_middle(size: int) -> None:
+    text = 'begin ' + 'x\n' * size + ' end'
+    line = shorten(text)
+    assert len(line) <= 400
+    assert '\n' not in line
+    assert line.startswith('begin x')
+    assert line.endswith('x end')
+    assert ('…' in line) == (len(' '.join(text.split())) > 400)
