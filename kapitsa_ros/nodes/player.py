@@ -99,14 +99,7 @@ class PlayerNode(DataflowNode):
                 continue
             is_new = self._emitted is None or step.index > self._emitted.index
             is_shown = step.seconds >= self._shown_from
-            if is_shown and self._time.stands_still and not self._is_sought:
-                if self._report.due():  # whoever starts a replay has to know that it stands, and where
-                    self._tell(step.id, step.stamp_ns)
-                return IDLE
-            # A run begins when the one before has been analysed, since settings are not numbered.
-            if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):
-                return IDLE
-            wait = self._time.pace.wait(step.stamp_ns / SECOND) if is_shown else 0.0
+            wait = self._wait(step, is_new=is_new, is_shown=is_shown)
             if wait > 0:
                 return wait
             if is_new:
@@ -121,6 +114,17 @@ class PlayerNode(DataflowNode):
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
         return min(super().poll(), self._joint_states.refresh())
+
+    def _wait(self, step: PlayedStep, *, is_new: bool, is_shown: bool) -> float:
+        """Return the seconds until a step is due; IDLE where something else has to happen before."""
+        if is_shown and self._time.stands_still and not self._is_sought:
+            if self._report.due():  # whoever starts a replay has to know that it stands, and where
+                self._tell(step.id, step.stamp_ns)
+            return IDLE
+        # A run begins when the one before has been analysed, since settings are not numbered.
+        if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):
+            return IDLE
+        return self._time.pace.wait(step.stamp_ns / SECOND) if is_shown else 0.0
 
     def _emit(self, step: PlayedStep) -> None:
         if step.id.step == 0 and not step.id.end:
