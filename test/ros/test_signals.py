@@ -41,13 +41,15 @@ def leaving_nothing(
 ) -> Leaving:
     @contextmanager
     def leaving(rig: int) -> Iterator[None]:
-        """Within, a rig is stopped: on the way out its processes must have ended; they have made no shared memory."""
+        """Within, a rig is stopped: on the way out its processes must have ended, their shared memory must be gone."""
         pids = processes_of(rig)
         assert len(pids) == len(ROLE_NAMES) + 1
         watches = [os.pidfd_open(pid) for pid in pids.values()]
-        assert not shared_memory_of([rig, *pids.values()])
+        shared = shared_memory_of([rig, *pids.values()])
+        assert shared
         yield
         assert all(map(has_ended, watches))
+        assert not [segment for segment in shared if segment.exists()]
         for watch in watches:
             os.close(watch)
 
