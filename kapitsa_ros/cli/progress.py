@@ -35,7 +35,7 @@ def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
 
 
 @contextmanager
-def shown_stages() -> Iterator[Callable[[str], None]]:
+def shown_stages(first: str = 'starting') -> Iterator[Callable[[str], None]]:
     """Show what long work is at, where stderr is a terminal; yield what takes it."""
-    with Status('starting', console=Console(file=sys.stderr)) as status:
+    with Status(first, console=Console(file=sys.stderr)) as status:
         yield status.update

@@ -10,6 +10,7 @@ import click
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.cli.options import assumption_option, bags_argument, budget_option, json_option
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.cli.warnings_of_bags import warn_of_defects, warn_of_repeats
 from kapitsa_ros.configuration.tables import write_timings
@@ -56,11 +57,13 @@ def analyse(
     if table is not None:
         check_output(table, 'table')
     warn_of_repeats(bags)
-    if blind:
-        values = analyse_bags(bags, assumptions, with_budget=with_budget)
-    else:
-        values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
-    if table is not None:
-        write_timings(table, timing_rows([bag.run for bag in runs_of(bags)], assumptions.dial_u))
+    with shown_stages(f'reading and fitting {len(bags)} run(s)'):
+        if blind:
+            values = analyse_bags(bags, assumptions, with_budget=with_budget)
+        else:
+            values = analyse_motions(bags, estimator or DEFAULT_ESTIMATOR, assumptions)
+        if table is not None:
+            write_timings(table, timing_rows([bag.run for bag in runs_of(bags)], assumptions.dial_u))
+        plant = runs_of(bags[:1])[0].run.plant
     warn_of_defects(values['runs'])
-    show_result(values, runs_of(bags[:1])[0].run.plant, as_json=as_json)
+    show_result(values, plant, as_json=as_json)

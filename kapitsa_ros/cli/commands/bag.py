@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from kapitsa_ros.cli.options import bags_argument, json_option, print_json
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.cli.warnings_of_bags import warn
 from kapitsa_ros.reporting.bag_text import bag_conclusion, bag_table
@@ -28,8 +29,9 @@ def info(*, path: Path, as_json: bool) -> None:
     """Say what is in a bag: messages, simulated time, gaps, and whether its bytes are those that were written."""
     from kapitsa_ros.recording.reader import open_runs  # noqa: PLC0415
 
-    runs = open_runs(path)
-    values = [_values(run) for run in runs]
+    with shown_stages('reading'):
+        runs = open_runs(path)
+        values = [_values(run) for run in runs]
     if as_json:
         print_json(values[0] if len(values) == 1 else _together(values))
     else:

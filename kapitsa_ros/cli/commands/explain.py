@@ -9,6 +9,7 @@ import click
 
 from kapitsa_ros._api.explain import explain as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.reporting.explanation import error_sentences, explanation_conclusion, explanation_table, unit_of
@@ -28,7 +29,8 @@ def explain(table: TimingTable, plant: Plant, *, as_json: bool) -> None:
 
     The plant's options say what it should have been.
     """
-    verdict = call(table, plant)
+    with shown_stages('trying causes'):
+        verdict = call(table, plant)
     for warning in verdict.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
     if as_json:

@@ -17,6 +17,7 @@ from kapitsa_ros.cli.options import (
     plant_options,
     print_json,
 )
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.cli.written import WRITTEN_ANGLE
@@ -69,16 +70,17 @@ def plan(
     known to have none. Beside it stands the one measurement that best tells two explanations of TABLE (by default that
     of 1997) apart.
     """
-    found = call(
-        plant,
-        target=target,
-        release=release.value,
-        max_speed=max_speed,
-        between=between,
-        readings=table,
-        instruments=instruments,
-        assumptions=assumptions,
-    )
+    with shown_stages('trying protocols'):
+        found = call(
+            plant,
+            target=target,
+            release=release.value,
+            max_speed=max_speed,
+            between=between,
+            readings=table,
+            instruments=instruments,
+            assumptions=assumptions,
+        )
     deciding = found.separation
     if as_json:
         print_json(

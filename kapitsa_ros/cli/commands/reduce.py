@@ -12,6 +12,7 @@ from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.results import budget_values
 from kapitsa_ros.analysis.timing_row import untold_releases
 from kapitsa_ros.cli.options import LENGTH, assumption_option, budget_option, json_option, plant_options, print_json
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.show_result import show_budget
 from kapitsa_ros.cli.table_argument import table_argument
 from kapitsa_ros.cli.terminal import say, show_table
@@ -54,10 +55,12 @@ def reduce(
     0.05 s where not given), release_rad and swings, kind (timed, fell or stopped) and run, as `kapitsa analyse --table`
     writes it. The plant's options say what theory predicts, and what a ruler says of the amplitude.
     """
-    found = call(table, plant, amplitude_sigma=amplitude_sigma, assumptions=assumptions)
+    with shown_stages('fitting the readings') as on_progress:
+        found = call(table, plant, amplitude_sigma=amplitude_sigma, assumptions=assumptions)
+        on_progress('working out the budget')
+        budget = budget_values(found.budget()) if with_budget else None
     for warning in found.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
-    budget = budget_values(found.budget()) if with_budget else None
     values = {
         'omega_crit_rpm': in_rpm(found.omega_crit),
         'omega_crit_interval_rpm': [in_rpm(end) for end in found.omega_crit_interval],

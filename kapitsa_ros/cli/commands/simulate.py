@@ -11,6 +11,7 @@ import numpy as np
 from kapitsa_ros._api.simulate import simulate as call
 from kapitsa_ros.cli.options import ANGLE, FREQUENCY, json_option, plant_options, print_json
 from kapitsa_ros.cli.output_files import SUFFIXES, check_table_output, write_table
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.cli.written import WRITTEN_ANGLE, WRITTEN_SPEED
 from kapitsa_ros.reporting.plant_sentence import plant_sentence
@@ -54,19 +55,20 @@ def simulate(
         check_table_output(output)
     if bending_damping is not None and bending_frequency is None:
         raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
-    run = call(
-        plant,
-        speed=speed.value,
-        release=release.value,
-        duration=duration,
-        phase=phase,
-        linear=linear,
-        bending_frequency=bending_frequency,
-        bending_damping=bending_damping,
-        sample_rate=sample_rate,
-    )
-    if output is not None:
-        write_table(output, run.columns)
+    with shown_stages(f'following the rod for {duration:g} s'):
+        run = call(
+            plant,
+            speed=speed.value,
+            release=release.value,
+            duration=duration,
+            phase=phase,
+            linear=linear,
+            bending_frequency=bending_frequency,
+            bending_damping=bending_damping,
+            sample_rate=sample_rate,
+        )
+        if output is not None:
+            write_table(output, run.columns)
     answer: dict[str, Any] = {
         'slow_rpm': None if run.slow is None else run.slow / RPM,
         'growth_per_s': run.growth,

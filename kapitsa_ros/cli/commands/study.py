@@ -8,8 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.cli.options import ANGLE, SPEED, json_option, plant_options, print_json
+from kapitsa_ros.cli.progress import shown_stages
+from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.physics.release import Release
 from kapitsa_ros.physics.solver_comparison import compare_solvers
+from kapitsa_ros.reporting.plant_sentence import plant_sentence
+from kapitsa_ros.reporting.study_text import solvers_table
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -31,24 +35,16 @@ def study(plant: Plant, speed: float, release: float, duration: float, cycles: i
     """Integrate the frictionless pendulum with the solvers people use and show the growth of its slow amplitude."""
     run = Release(plant=plant, speed=speed, angle=release)
     results = []
-    click.echo(
-        f'A frictionless rod at {speed / RPM:.0f} RPM, released at {release:g} rad, as solvers see it\n'
-        f'{"solver":26} {"followed":>9} {"growth 1/s":>11} {"amplitude":>11} {"fell at":>9} {"CPU s":>7}',
-        err=as_json,
-    )
-    for result in compare_solvers(run, duration=duration, cycles=cycles):
-        results.append(asdict(result))
-        fell = '-' if result.fell_at is None else f'{result.fell_at:.0f} s'
-        click.echo(
-            f'{result.solver:26} {result.duration:7.0f} s {result.growth:11.2e} × {result.amplitude_ratio:9.5f} '
-            f'{fell:>9} {result.cpu:7.2f}',
-            err=as_json,
-        )
-    rates = [result['growth'] for result in results]
-    click.echo(
-        f'The growth runs from {min(rates):.1e} to {max(rates):.1e} 1/s with the solver. Ours over {cycles} cycles: '
-        f"{rates[-1]:.0e} 1/s.\nA growth that depends on the solver is not the rod's.",
-        err=as_json,
-    )
+    with shown_stages('following the rod with each solver') as on_progress:
+        for result in compare_solvers(run, duration=duration, cycles=cycles):
+            results.append(result)
+            on_progress(f'{result.solver} has followed it; the next solver')
     if as_json:
-        print_json({'verdicts': results})
+        print_json({'verdicts': [asdict(result) for result in results]})
+        return
+    say([f'{plant_sentence(plant)}. At {speed / RPM:.0f} RPM, let go at {release:g} rad.'])
+    show_table(solvers_table(results))
+    rates = [result.growth for result in results]
+    ours = f'Ours over {cycles} cycles: {rates[-1]:.0e} 1/s.'
+    say([f'The growth runs from {min(rates):.1e} to {max(rates):.1e} 1/s with the solver. {ours}'])
+    say(["A growth that depends on the solver is not the rod's."])

@@ -8,6 +8,7 @@ import click
 
 from kapitsa_ros._api.theory import theory as call
 from kapitsa_ros.cli.options import json_option, plant_options, print_json
+from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.cli.written import WRITTEN_ANGLE, WRITTEN_SPEED
 from kapitsa_ros.reporting.plant_sentence import plant_sentence
@@ -29,8 +30,9 @@ def theory(plant: Plant, speeds: tuple[Written, ...], release: Written | None, *
     """Say what theory predicts: critical speeds, and what the rod does at given ones."""
     # One call a speed: each that has no answer is an error here.
     angle = None if release is None else release.value
-    found = [call(plant, speed=speed.value, release=angle) for speed in speeds]
-    rod = found[0] if found else call(plant)
+    with shown_stages('working out the theories'):
+        found = [call(plant, speed=speed.value, release=angle) for speed in speeds]
+        rod = found[0] if found else call(plant)
     for warning in rod.warnings:
         click.echo(f'kapitsa: warning: {warning}', err=True)
     answer: dict[str, Any] = {

@@ -1,0 +1,58 @@
+"""Long work is seen on a terminal, and nowhere else."""
+
+import os
+import pty
+import subprocess
+import sys
+
+SIMULATE = ('simulate', '--speed', '2500', '--release', '0.12', '--duration', '2')
+NAMED = 'kapitsa: compiling tripled, once after an installation'
+COMPILE = """
+import numba
+from kapitsa_ros.cli.compilation import announce_compilation
+
+@numba.njit
+def doubled(value):
+    return 2 * value
+
+@numba.njit
+def tripled(value):
+    return doubled(value) + value
+
+announce_compilation()
+announce_compilation()
+assert (tripled(2), tripled(3)) == (6, 9)
+"""
+
+
+def on_terminal(*command: str) -> str:
+    """Run a command whose stderr is a terminal, and return what it writes there."""
+    ours, theirs = pty.openpty()
+    with subprocess.Popen(
+        [sys.executable, *command], stdout=subprocess.DEVNULL, stderr=theirs, env=os.environ | {'TERM': 'xterm'}
+    ) as done:
+        os.close(theirs)
+        written = b''
+        while True:
+            try:
+                part = os.read(ours, 4096)
+            except OSError:  # so a terminal says that nobody writes any more
+                break
+            if not part:
+                break
+            written += part
+    os.close(ours)
+    assert done.returncode == 0, written
+    return written.decode()
+
+
+def test_what_is_compiled_is_said_once_and_only_on_a_terminal() -> None:
+    said = on_terminal('-c', COMPILE)
+    assert said.count(NAMED) == 1
+    assert said.count('compiling') == said.count('kapitsa: compiled in') == 1  # of the outer kernel alone
+    done = subprocess.run([sys.executable, '-c', COMPILE], capture_output=True, text=True, check=True)
+    assert done.stderr == ''
+
+
+def test_a_command_shows_on_a_terminal_what_it_is_at() -> None:
+    assert 'following the rod for 2 s' in on_terminal('-m', 'kapitsa_ros', *SIMULATE)
