@@ -5,7 +5,7 @@
 - A rod: `Plant`, `preset`.
 - What theory says of it: `theory`, `stability_map`; what it does: `simulate`.
 - The laboratory of 1997: `experiment` (as ROS 2 nodes), `campaign` (many, in process), `Rig` (in your hands).
-- What was read: `read_bag`, `reduce`, `explain`, `plan`, `report`, `figures`.
+- What was read: `read_bag`, `verify`, `reduce`, `explain`, `plan`, `report`, `figures`.
 
 Speeds, lengths, angles and times are numbers in SI, texts with a unit (`'2500 rpm'`, `'9.75 in'`) or quantities of a
 library of units. A bare speed is in rad/s; `rpm(2500)` is 2500 RPM. Only `Rig.request_speed` takes RPM, as its dial
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.simulate import simulate
     from kapitsa_ros._api.stability_map import stability_map
     from kapitsa_ros._api.theory import theory
+    from kapitsa_ros._api.verify import verify
     from kapitsa_ros.errors import KapitsaError
     from kapitsa_ros.physics.plant import Plant
     from kapitsa_ros.rig.harness import Rig
@@ -52,6 +53,7 @@ __all__ = [
     'simulate',
     'stability_map',
     'theory',
+    'verify',
 ]
 
 __version__ = '0.1.0'

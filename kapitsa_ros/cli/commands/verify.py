@@ -1,0 +1,76 @@
+"""`kapitsa verify`."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from kapitsa_ros.cli.options import bags_argument, json_option, print_json
+from kapitsa_ros.cli.warnings_of_bags import warn
+from kapitsa_ros.errors import FAILED
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kapitsa_ros._api.verify import VerifiedRun
+
+
+@click.command()
+@bags_argument
+@click.option('--digest', metavar='HEX', help='what the digest of the run has to be')
+@json_option
+def verify(*, bags: tuple[Path, ...], digest: str | None, as_json: bool) -> None:
+    """Compute recorded runs again from commands, settings and seed, and compare every message to the last bit."""
+    from kapitsa_ros._api.verify import verify as call  # noqa: PLC0415
+    from kapitsa_ros.ros.parameters import versions  # noqa: PLC0415
+
+    runs = call(bags, digest)
+    values = [_values(run, versions()) for run in runs]
+    for run in runs:
+        for defect in run.bag.defects:
+            warn(f'{run.bag.path}: {defect}')
+    if as_json:
+        print_json({'bags': values})
+    else:
+        for value in values:
+            click.echo(_sentence(value))
+    if not all(run.identical for run in runs):
+        sys.exit(FAILED)
+
+
+def _values(run: VerifiedRun, here: dict[str, str]) -> dict[str, Any]:
+    found = run.verification
+    recorded = run.bag.run.settings['jigsaw'].get('versions', {})
+    return {
+        'bag': str(run.bag.path),
+        'run': run.bag.number,
+        'identical': run.identical,
+        'digest': found.digest,
+        'first_difference': None if found.first_difference is None else asdict(found.first_difference),
+        'largest_ulp': found.largest_ulp,
+        'other_versions': {
+            name: {'recorded': recorded.get(name), 'here': version}
+            for name, version in here.items()
+            if recorded.get(name) != version
+        },
+    }
+
+
+def _sentence(value: dict[str, Any]) -> str:
+    which = f'{value["bag"]}, run {value["run"]}'
+    if value['identical']:
+        return f'{which}: identical, digest {value["digest"]}'
+    first = value['first_difference']
+    if first is None:
+        return f'{which}: identical to its bag, but the digest is {value["digest"]}'
+    text = (
+        f'{which}: {first["topic"]} differs first at step {first["step"]}, {first["field"]}: '
+        f'recorded {first["recorded"]}, computed {first["recomputed"]}; largest difference {value["largest_ulp"]} ULP'
+    )
+    others = ', '.join(
+        f'{name} {each["recorded"]}, here {each["here"]}' for name, each in value['other_versions'].items()
+    )
+    return f'{text}; recorded with {others}: a change is only what differs under the same' if others else text

@@ -1,0 +1,127 @@
+"""Recorded runs computed again: identical, or the first difference is named."""
+
+import json
+import struct
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from kapitsa_ros.laboratory.verification import verify_run
+from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.registry import STOPWATCH_READING
+from kapitsa_ros.network.settings import decode_settings, encode_settings
+from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.reader import RunBag
+
+SHIPPED = Path(__file__).parents[2] / 'bags'
+STORE = get_typestore(Stores.ROS2_JAZZY)
+DIGESTS = {
+    'run_01_2240rpm': '61c74effe63c2e12864d7078d737a446a2fb5f6693c13745343228fcf6d8b408',
+    'run_02_2640rpm': '4c80cba47e51f178996bd25e3b4d9d8d03706f329d9375d0a72815363ee39507',
+    'run_03_2780rpm': '0ddf1b847b715b744cbd6eba706c9da5c55a4806f2e09841f4872d639bb47e94',
+}
+"""Of the shipped runs, for good."""
+
+
+def altered(path: Path, change: Callable[[str, bytes], bytes]) -> RunBag:
+    """Return a copy of a shipped run whose messages have been changed."""
+    with (
+        Reader(SHIPPED / 'run_02_2640rpm') as reader,
+        Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer,
+    ):
+        links: dict[str, Any] = {}
+        for link, stamp, raw in reader.messages():
+            if link.topic not in links:
+                links[link.topic] = writer.add_connection(link.topic, link.msgtype, typestore=STORE)
+            writer.write(links[link.topic], stamp, change(link.topic, bytes(raw)))
+    return RunBag(path)
+
+
+@pytest.mark.parametrize('name', DIGESTS)
+def test_the_shipped_runs_are_identical(name: str) -> None:
+    bag = RunBag(SHIPPED / name)
+    found = verify_run(bag)
+    assert found.identical
+    assert found.digest == bag.digest == DIGESTS[name]
+
+
+def test_a_reading_altered_by_its_last_digit_is_named(tmp_path: Path) -> None:
+    def change(topic: str, raw: bytes) -> bytes:
+        """Change the last bit of what the display shows."""
+        if topic != '/stopwatch/reading' or b'timed' not in raw:
+            return raw
+        at = STOPWATCH_READING.decode(raw).displayed
+        stamp = struct.pack('<iI', *divmod(round(at * SECOND), SECOND))
+        assert raw.count(stamp) == 1
+        place = raw.index(stamp) + 4
+        return raw[:place] + bytes([raw[place] ^ 1]) + raw[place + 1 :]
+
+    bag = altered(tmp_path / 'run', change)
+    found = verify_run(bag)
+    assert not found.identical
+    assert found.first_difference is not None
+    assert (found.first_difference.topic, found.first_difference.field) == ('stopwatch/reading', 'displayed')
+    assert found.first_difference.recorded == pytest.approx(found.first_difference.recomputed, abs=2e-9)
+
+
+def test_a_byte_of_motion_flipped_is_named_with_its_step_and_sample(tmp_path: Path) -> None:
+    at_step, sample = 60, 17
+    originals: Iterable[float] = RunBag(SHIPPED / 'run_02_2640rpm').motion.angle
+
+    def change(topic: str, raw: bytes) -> bytes:
+        if topic != '/pendulum/motion' or read_step_id(raw).step != at_step or read_step_id(raw).end:
+            return raw
+        value = struct.pack('<d', originals[at_step * 100 + sample])
+        at = raw.index(value)
+        return raw[:at] + bytes([raw[at] ^ 1]) + raw[at + 1 :]
+
+    found = verify_run(altered(tmp_path / 'run', change))
+    first = found.first_difference
+    assert first is not None
+    assert (first.topic, first.run, first.step, first.field) == ('pendulum/motion', 2, at_step, f'position[{sample}]')
+    assert found.largest_ulp == 1
+    assert first.recorded != first.recomputed == originals[at_step * 100 + sample]
+
+
+@pytest.mark.parametrize(
+    ('role', 'name', 'value', 'topic'),
+    [('pendulum', 'plant', {'damping': 0.0500001}, 'pendulum/motion'), ('stopwatch', 'seed', 7, 'stopwatch/reading')],
+)
+def test_other_settings_are_noticed_where_they_act(
+    tmp_path: Path, role: str, name: str, value: Any, topic: str
+) -> None:
+    def change(of: str, raw: bytes) -> bytes:
+        if of != f'/{role}/settings':
+            return raw
+        settings = json.loads(decode_settings(raw))
+        settings[name] = settings[name] | value if isinstance(value, dict) else value
+        return encode_settings(json.dumps(settings))
+
+    first = verify_run(altered(tmp_path / 'run', change)).first_difference
+    assert first is not None
+    assert first.topic == topic
+
+
+def test_settings_of_another_version_are_refused_by_name(tmp_path: Path) -> None:
+    def change(of: str, raw: bytes) -> bytes:
+        if of != '/strobe/settings':
+            return raw
+        return encode_settings(json.dumps(json.loads(decode_settings(raw)) | {'shutter': 1.0}))
+
+    with pytest.raises(BagError, match='the settings of strobe hold shutter, which this version does not know'):
+        verify_run(altered(tmp_path / 'run', change))
+
+
+def test_a_digest_alone(kapitsa: Callable[..., Any]) -> None:
+    bag = SHIPPED / 'run_02_2640rpm'
+    told = kapitsa('verify', bag, '--digest', DIGESTS['run_02_2640rpm'].upper(), '--json').json
+    assert told['bags'][0]['identical']
+    assert told['bags'][0]['first_difference'] is None
+    other = kapitsa('verify', bag, '--digest', DIGESTS['run_01_2240rpm'])
+    assert other.status == 1
+    assert f'but the digest is {DIGESTS["run_02_2640rpm"]}' in other.out
