@@ -142,7 +142,7 @@ def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> 
 def test_sqlite3_on_request(kapitsa: Kapitsa, recorded: Recorded, tmp_path: Path) -> None:
     values = kapitsa('experiment', '--seed', 1, '--bags', tmp_path, '--storage', 'sqlite3', '--json').json
     assert comparable(values) == comparable(recorded[1])
-    assert (tmp_path / 'run_01_2240rpm' / 'run_01_2240rpm.db3').is_file()
+    assert (tmp_path / 'run_01_2240rpm' / 'run_01_2240rpm_0.db3').is_file()
 
 
 def test_ideal_instruments_read_the_nonlinear_truth(kapitsa: Kapitsa, tmp_path: Path) -> None:
