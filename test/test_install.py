@@ -69,10 +69,11 @@ def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
             'PYTHONPATH': str(next(index.glob('lib/python*/site-packages'))),
             'PATH': f'{Path(sys.executable).parent}:{os.environ["PATH"]}',
             'ROS_DOMAIN_ID': '98',
+            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
         }
         return subprocess.Popen(
             [Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros' / role, '--ros-args', *arguments],
-            env=os.environ | loopback() | environment,
+            env=os.environ | loopback() | environment,  # other transports leave their ports in /dev/shm
             cwd=index,
             stderr=subprocess.PIPE,
             text=True,

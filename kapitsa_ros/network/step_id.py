@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+_DIGITS = 9
+"""Of the largest number of a run or a step."""
+
 
 @dataclass(frozen=True, slots=True)
 class StepId:
@@ -35,7 +38,7 @@ class StepId:
 
         """
         match text.split(' '):
-            case ['run', run, 'step', step, *rest] if rest in ([], ['end']) and run.isdecimal() and step.isdecimal():
+            case ['run', run, 'step', step, *rest] if rest in ([], ['end']) and _is_count(run) and _is_count(step):
                 return cls(int(run), int(step), end=bool(rest))
             case _:
                 raise ValueError(f'{text!r} is not of the form "run 1 step 0"')
@@ -45,6 +48,11 @@ class StepId:
         if last is None or last.end:
             return self.step == 0
         return self.run == last.run and self.step == last.step + 1
+
+
+def _is_count(text: str) -> bool:
+    """Whether a text is a number that a run or a step can have."""
+    return text.isdecimal() and len(text) <= _DIGITS
 
 
 def ends_session(step_id: StepId) -> bool:

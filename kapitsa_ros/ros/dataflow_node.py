@@ -12,13 +12,14 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.errors import shorten
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
 from kapitsa_ros.ros.peer_discovery import PeerDiscovery
 from kapitsa_ros.ros.qos import LATCHED, STREAM, message_class
@@ -45,6 +46,8 @@ GRACE = 3.0
 """Seconds for which messages are waited for to be taken before it is said."""
 LEASE = 25.0
 """Seconds after which DDS has given up a reader that is silent; who is still not served then never will be."""
+LONGEST = 200
+"""Characters of a line on input that is refused."""
 PARTING = Duration(nanoseconds=200_000_000)
 """How long words are waited for that nobody depends on."""
 
@@ -84,8 +87,11 @@ class DataflowNode(Node):
         self._out = {
             topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
         }
-        for topic in self.reads:
-            self.create_subscription(message_class(topic.type), topic.name, self._taker(topic.name), STREAM, raw=True)
+        self._inputs = [
+            NumberedSubscription(self, topic, self._taker(topic.name), self.refuse, self.keep_failure)
+            for topic in self.reads
+        ]
+        self._known_strangers: set[str] = set()
         for topic in (*self.reads, *self.writes):
             load_type(topic.type)
         self._peers = PeerDiscovery(self, self.writes, self.reads, self.expected)
@@ -138,7 +144,8 @@ class DataflowNode(Node):
     def refuse(self, why: str) -> None:
         """Count input that was not used, and say so once in a while."""
         self._refused += 1
-        self.get_logger().warning(f'refused: {why} ({self._refused} so far)', throttle_duration_sec=5.0)
+        text = f'refused: {shorten(why, LONGEST)} ({self._refused} so far)'
+        self.get_logger().warning(text, throttle_duration_sec=5.0)
 
     def finish(self) -> None:
         """Leave once the last messages have been taken by their readers."""
@@ -146,6 +153,10 @@ class DataflowNode(Node):
             self.wait_until_taken(publisher)
         self.diagnostics.wait_for_all_acked(PARTING)
         self.finished = True
+
+    def keep_failure(self, error: Exception) -> None:
+        """Fail soon: thrown through the executor an exception would lose its type."""
+        self._failure = self._failure or error
 
     def wait_until_taken(self, publisher: Publisher) -> None:
         """Wait for the readers of a topic to take all that was published, as long as DDS waits for them."""
@@ -172,6 +183,8 @@ class DataflowNode(Node):
         if self._health.due():
             now = self.get_clock().now().nanoseconds
             self.diagnostics.publish(health_message(self.get_name(), now, self._refused, self._held_up))
+            if self._peers.matched:
+                self._name_strangers()
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
     def _say_held_up(self, topic: str, how: str) -> None:
@@ -179,22 +192,21 @@ class DataflowNode(Node):
         self.get_logger().warning(f'{topic} {how}: waiting for a reader that has stopped ({readers})')
         self._held_up += 1
 
-    def _taker(self, name: str) -> Callable[[bytes], None]:
-        def take(raw: bytes) -> None:
+    def _name_strangers(self) -> None:
+        for name in {name for source in self._inputs for name in source.strangers()} - self._known_strangers:
+            self._known_strangers.add(name)
+            self.get_logger().warning(f'{name} writes what is not its to write: nothing of that is used')
+
+    def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
+        def take(step_id: StepId, raw: bytes) -> None:
             try:
-                self._take(name, raw)
-            except Exception as error:  # noqa: BLE001  # thrown through the executor it would lose its type
-                self._failure = error
+                fresh = self.accept(name, step_id, raw)
+            except WireError as error:
+                self.refuse(f'{name}: {error}')
+                return
+            if not fresh:
+                self.refuse(f'a step of {name} that was there before')
+            elif self._peers.matched:
+                self.advance()
 
         return take
-
-    def _take(self, name: str, raw: bytes) -> None:
-        try:
-            fresh = self.accept(name, read_step_id(raw), raw)
-        except WireError as error:
-            self.refuse(f'{name}: {error}')
-            return
-        if not fresh:
-            self.refuse(f'a step of {name} that was there before')
-        elif self._peers.matched:
-            self.advance()

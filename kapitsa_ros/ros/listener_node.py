@@ -79,6 +79,12 @@ class ListenerNode:
         if self._failure is not None:
             raise self._failure
 
+    def fail(self, error: Exception) -> None:
+        """Keep what a callback has raised for whoever waits; what the nodes of the rig say themselves is theirs."""
+        if not isinstance(error, NodeError):
+            self._failure = error
+            self.wake()
+
     def wake(self) -> None:
         """Make whoever waits for news look again; called from the listening thread."""
 

@@ -14,7 +14,7 @@ from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no 
 from rclpy.experimental import EventsExecutor
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from kapitsa_ros.errors import FAILED, KapitsaError
+from kapitsa_ros.errors import FAILED, KapitsaError, shorten
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
@@ -66,7 +66,7 @@ def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
             status = getattr(error, 'exit_status', FAILED)
         else:  # what a node meets at work is a failure, whatever was given to it
             node.fail(error)
-        print(f'{role}: error: {error}', file=sys.stderr, flush=True)
+        print(f'{role}: error: {shorten(str(error))}', file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
         if is_of_rclpy(error) and not rclpy.ok():

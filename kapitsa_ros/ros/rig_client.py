@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from std_msgs.msg import Float64
 
-from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import CLIENT, RESULT, TOPICS, WRITTEN, topic_named
 from kapitsa_ros.ros.listener_node import ListenerNode
-from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
@@ -68,7 +67,7 @@ class RigClient(ListenerNode):
         self._lock = threading.Lock()
         super().__init__(CLIENT.name, domain)
         for topic in TOPICS:
-            self._node.create_subscription(message_class(topic.type), topic.name, self._taker(topic), STREAM, raw=True)
+            NumberedSubscription(self._node, topic, self._taker(topic), lambda _: None, self.fail)
         self._asks: dict[str, Publisher] = {
             name: self._node.create_publisher(Float64, name, 10) for name in ('operator/speed', 'operator/release')
         }
@@ -166,14 +165,11 @@ class RigClient(ListenerNode):
         """Make `news` readable."""
         os.eventfd_write(self.news, 1)
 
-    def _taker(self, topic: Topic[Any]) -> Callable[[bytes], None]:
+    def _taker(self, topic: Topic[Any]) -> Callable[[StepId, bytes], None]:
         unread = self._unread[topic.name]
 
-        def take(raw: bytes) -> None:
-            try:
-                message = _Message(read_step_id(raw), raw)
-            except WireError:
-                return  # somebody else's; the nodes of the rig say so
+        def take(step_id: StepId, raw: bytes) -> None:
+            message = _Message(step_id, raw)
             with self._lock:
                 if not topic.codec.is_silence(raw):
                     self._newest[topic.name] = message

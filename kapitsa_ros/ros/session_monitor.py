@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from typing import TYPE_CHECKING, Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 
-from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import RESULT, SESSION_MONITOR
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.listener_node import ListenerNode
-from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
+
+    from kapitsa_ros.network.step_id import StepId
 
 
 PROGRESS = ('jigsaw: progress', 'player: progress')
@@ -42,14 +44,12 @@ class SessionMonitor(ListenerNode):
         """Results of each run, in order, as the analyser published them."""
         self.experiment: dict[str, Any] = {}
         """Results of all runs so far together."""
-        self.session_over = False
-        """Whether the owner of time has said that no run follows."""
-        self._ended = False
+        self._ended = self._over = False
         self._news = threading.Condition()
         self._on_progress = on_progress
         super().__init__(SESSION_MONITOR.name, domain)
         self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
-        self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._take_result, STREAM, raw=True)
+        NumberedSubscription(self._node, RESULT, self._take_result, lambda _: None, self.fail)
 
     def time_control(self, owner: str) -> TimeControlClient:
         """Return a client of the node that owns time."""
@@ -69,6 +69,11 @@ class SessionMonitor(ListenerNode):
             self.check()
             if not came:
                 raise TimeoutError('the rig did not say that the session is over')
+
+    @property
+    def session_over(self) -> bool:
+        """Whether the owner of time has said that no run follows."""
+        return self._over
 
     def wait_for_progress(self, timeout: float) -> dict[str, str]:
         """Wait for the next report of progress and return its values.
@@ -94,18 +99,18 @@ class SessionMonitor(ListenerNode):
 
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            if status.name in PROGRESS:
+            values = {pair.key: pair.value for pair in status.values}
+            if status.name in PROGRESS and _is_progress(values):
                 with self._news:
-                    self.progress = {pair.key: pair.value for pair in status.values}
-                    self.session_over = self.session_over or self.progress.get('session_over') == 'True'
+                    self._over = self._over or values['session_over'] == 'True'
+                    self.progress = values
                     self._news.notify_all()
                 if self._on_progress is not None:
                     self._on_progress(self.progress)
 
-    def _take_result(self, raw: bytes) -> None:
+    def _take_result(self, step_id: StepId, raw: bytes) -> None:
         try:
             results = RESULT.decode(raw)
-            step_id = read_step_id(raw)
         except WireError:
             return  # not the analyser's: it says nothing this cannot read
         with self._news:
@@ -116,3 +121,13 @@ class SessionMonitor(ListenerNode):
                     self.runs.append(dict(values))
             self._ended = self._ended or ends_session(step_id)
             self._news.notify_all()
+
+
+def _is_progress(values: Mapping[str, str]) -> bool:
+    """Whether a report has the values of one; anybody may speak on `diagnostics`."""
+    try:
+        int(values['run'])
+        numbers = [float(values[name]) for name in ('simulated_s', 'realtime_factor')]
+    except (KeyError, ValueError):
+        return False
+    return all(map(math.isfinite, numbers)) and values.get('session_over') in {'True', 'False'}

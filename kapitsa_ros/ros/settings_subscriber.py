@@ -5,14 +5,18 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.network.registry import RIG_ROLES, described_by
+from kapitsa_ros.network.registry import PLAYER, RIG_ROLES, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
+from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.qos import LATCHED, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kapitsa_ros.ros.dataflow_node import DataflowNode
+
+LONGEST = 100_000
+"""Characters of settings; those of a node have a thousand."""
 
 
 class SettingsSubscriber:
@@ -22,6 +26,7 @@ class SettingsSubscriber:
         self.texts: dict[str, str] = {}
         """By role, as published."""
         self._roles = described_by(role for role in RIG_ROLES if not role.optional or role.name in node.expected)
+        self._node = node
         for name in self._roles:
             node.create_subscription(message_class(SETTINGS_TYPE), settings_topic(name), self._taker(name), LATCHED)
 
@@ -36,6 +41,37 @@ class SettingsSubscriber:
 
     def _taker(self, name: str) -> Callable[[Any], None]:
         def take(message: Any) -> None:
-            self.texts[name] = message.data
+            why = _fault(message.data)
+            if why is None and self.texts.get(name, message.data) != message.data:
+                why = self._fault_of_change(name)
+            if why is None:
+                self.texts[name] = message.data
+            else:
+                self._node.refuse(f'{settings_topic(name)}: {why}')
 
         return take
+
+    def _fault_of_change(self, name: str) -> str | None:
+        """Return why settings that differ from those that hold are not taken; None: a player changes to its next bag.
+
+        They are not numbered, and which of two are the node's own cannot be told: so the run is over.
+        """
+        topic = settings_topic(name)
+        writers = {info.node_name for info in self._node.get_publishers_info_by_topic(topic)}
+        if PLAYER.name in self._node.expected and writers == {PLAYER.name}:
+            return None
+        others = ', '.join(sorted(writers - {name, PLAYER.name})) or 'a node that has left'
+        why = f'has a second writer, {others}: which settings are the right ones cannot be told'
+        self._node.keep_failure(NodeError(f'{topic} {why}'))
+        return why
+
+
+def _fault(text: str) -> str | None:
+    """Return why a text is no settings; None: it is."""
+    if len(text) > LONGEST:
+        return f'settings of {len(text)} characters'
+    try:
+        settings = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        return f'no JSON ({error})'
+    return None if isinstance(settings, dict) else f'no JSON object: {text}'

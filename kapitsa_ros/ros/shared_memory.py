@@ -1,4 +1,4 @@
-"""Whether /dev/shm has room for what LTTng, which rclpy loads, maps there: without it a signal kills the process."""
+"""Whether /dev/shm has room for what is mapped there when a node starts: without it a signal kills the process."""
 
 from __future__ import annotations
 
@@ -7,24 +7,27 @@ from pathlib import Path
 
 from kapitsa_ros.ros.errors import NodeError
 
-_FOLDER = Path('/dev/shm')  # noqa: S108  # where LTTng waits for a tracer
-_PAGES = 2
-"""One of all users, one of this user."""
+_FOLDER = Path('/dev/shm')  # noqa: S108  # where Fast DDS keeps its segments, and LTTng, which rclpy loads, a page
+NEEDED = 8 * 2**20
+"""Bytes: half a megabyte for each participant of a rig, and some more."""
 
 
 def refuse_full_shared_memory(folder: Path = _FOLDER) -> None:
-    """Look whether there is room, or the pages are there already.
+    """Look whether there is room. Where the folder is not there or cannot be written, nothing is mapped.
 
     Raises
     ------
     NodeError
-        To import rclpy would end the process with SIGBUS.
+        A node would be ended by SIGBUS, without a word.
 
     """
     try:
-        free = os.statvfs(folder).f_bavail
-        pages = [file for file in folder.glob('lttng-ust-wait-*') if file.stat().st_blocks]
-    except OSError:  # it is not there, or not ours to look at: then LTTng does without
+        system = os.statvfs(folder)
+    except OSError:
         return
-    if free + len(pages) < _PAGES:
-        raise NodeError(f'{folder} is full, and a node is killed there: free some of it, or mount a larger one')
+    free = system.f_bavail * system.f_frsize
+    if free < NEEDED and os.access(folder, os.W_OK):
+        raise NodeError(
+            f'{folder} has {free / 2**20:.1f} MB left, and nodes that find no room there are killed: '
+            f'free {NEEDED / 2**20:.0f} MB, or mount a larger one'
+        )

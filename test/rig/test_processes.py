@@ -19,6 +19,7 @@ from rclpy.node import Node
 
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.network.registry import RECORDED, ROLE_NAMES, WRITTEN, readers_of, writer_of
+from kapitsa_ros.rig import shared_memory
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.node_group import NodeGroup
@@ -299,6 +300,20 @@ def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> Non
         assert left
         remove_stale_segments()
         assert not left & stale_segments()
+
+
+def test_where_locks_cannot_be_looked_up_every_segment_is_left(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(shared_memory, '_FOLDER', tmp_path)
+    for name in ('fastrtps_0123456789abcdef', 'fastrtps_0123456789abcdef_el'):
+        (tmp_path / name).touch()
+        os.utime(tmp_path / name, (0, 0))
+    monkeypatch.setattr(shared_memory, '_NEW', -1.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(shared_memory, '_LOCKS', tmp_path / 'nowhere')
+        remove_stale_segments()
+    assert len(list(tmp_path.iterdir())) == 2
+    remove_stale_segments()
+    assert not list(tmp_path.iterdir())
 
 
 def test_nothing_outlives_a_rig_that_is_killed(processes_of: Callable[[int], dict[str, int]], tmp_path: Path) -> None:

@@ -4,10 +4,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.errors import NodeError, SettingError
 from kapitsa_ros.ros.log_files import without_log_files
 from kapitsa_ros.ros.middleware import refuse_missing_middleware
 from kapitsa_ros.ros.reachability import refuse_unreachable
@@ -101,7 +102,7 @@ def test_log_files_are_kept_where_they_can_be(
 
 @pytest.mark.skipif(os.geteuid() != 0, reason='to mount a file system wants root')
 def test_a_full_shared_memory_is_said_before_a_signal_kills_the_process() -> None:
-    """LTTng, which rclpy brings, maps a page there; Fast DDS makes no segment."""
+    """LTTng, which rclpy brings, maps a page there, and Fast DDS its segments."""
     mount = 'mount -t tmpfs -o size=64k shm /dev/shm; head -c 65536 /dev/zero > /dev/shm/full; exec "$@"'
     done = subprocess.run(
         ['/usr/bin/unshare', '-m', 'sh', '-c', mount, '-', sys.executable, '-m', 'kapitsa_ros.nodes', 'jigsaw'],
@@ -110,9 +111,14 @@ def test_a_full_shared_memory_is_said_before_a_signal_kills_the_process() -> Non
     if 'unshare:' in done.stderr or 'mount:' in done.stderr:
         pytest.skip('no mount namespaces here')
     assert done.returncode == 1
-    assert done.stderr.startswith('kapitsa: error: /dev/shm is full')
+    assert done.stderr.startswith('kapitsa: error: /dev/shm has 0.0 MB left')
 
 
 def test_without_shared_memory_there_is_nothing_to_fill(tmp_path: Path) -> None:
-    refuse_full_shared_memory(tmp_path)
     refuse_full_shared_memory(tmp_path / 'nowhere')
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, 'statvfs', lambda _: SimpleNamespace(f_bavail=1, f_frsize=4096))
+        with pytest.raises(NodeError, match=r'0\.0 MB left'):
+            refuse_full_shared_memory(tmp_path)
+        patch.setattr(os, 'access', lambda *_: False)  # a read-only file system
+        refuse_full_shared_memory(tmp_path)

@@ -51,5 +51,5 @@ class ResultCodec(Codec[Results]):
             return {
                 status.name: {pair.key: json.loads(pair.value) for pair in status.values} for status in message.status
             }
-        except json.JSONDecodeError as error:
+        except (ValueError, RecursionError) as error:  # digits or brackets without end, too
             raise WireError(f'a result is not JSON: {error}') from error

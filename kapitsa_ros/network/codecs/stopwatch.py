@@ -14,6 +14,9 @@ from kapitsa_ros.network.typestore import deserialise, new_header, new_time, sec
 if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
 
+_DIGITS = 9
+"""Of the longest count of swings."""
+
 
 class StopwatchCodec(Codec[StopwatchReading | None]):
     """sensor_msgs/TimeReference: `time_ref` is the display, `source` its meaning, the stamp when it was pressed."""
@@ -37,7 +40,9 @@ class StopwatchCodec(Codec[StopwatchReading | None]):
         match message.source.split(' '):
             case ['']:
                 return None
-            case ['timed' | 'fell' | 'stopped' as kind, swings, 'swings'] if swings.isdecimal():
+            case ['timed' | 'fell' | 'stopped' as kind, swings, 'swings'] if (
+                swings.isdecimal() and len(swings) <= _DIGITS
+            ):
                 pressed = seconds_at(message.header.stamp, read_step_id(raw))
                 displayed = message.time_ref.sec + message.time_ref.nanosec / SECOND
                 if kind == 'timed' and int(swings) < 1:

@@ -1,0 +1,93 @@
+"""A subscription to a numbered topic, which takes what its one writer says and nothing else."""
+
+from __future__ import annotations
+
+import inspect
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.publication_order import PublicationOrder, Verdict
+from kapitsa_ros.network.registry import writers_of
+from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.qos import STREAM, message_class
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy.node import Node
+
+    from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.network.topic import Topic
+
+_WITH_INFO = inspect.signature(lambda message, info: (message, info))
+"""Of a callback that rclpy gives what it knows of a message."""
+
+
+class NumberedSubscription:
+    """Subscribes a node to a numbered topic.
+
+    Parameters
+    ----------
+    node
+        Who reads.
+    topic
+        What.
+    take
+        Called with the number and the bytes of each message of the topic's writer.
+    refuse
+        Called with why a message was not used.
+    fail
+        Called with what `take` raises, and with a NodeError where two have said what one alone may say, and it is not
+        known whom to believe.
+
+    """
+
+    def __init__(
+        self,
+        node: Node,
+        topic: Topic[Any],
+        take: Callable[[StepId, bytes], None],
+        refuse: Callable[[str], None],
+        fail: Callable[[Exception], None],
+    ) -> None:
+        self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
+        self._order = PublicationOrder(lambda: len(self._writers()) <= 1)
+
+        def hear(message: Any, info: Any = None) -> None:
+            # The events executor of rclpy 7.1 gives both as one argument.
+            raw, info = message if info is None else (message, info)
+            try:
+                self._hear(raw, info.get('publication_sequence_number'))
+            except Exception as error:  # noqa: BLE001  # thrown through the executor it would lose its type
+                fail(error)
+
+        hear.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
+        node.create_subscription(message_class(topic.type), topic.name, hear, STREAM, raw=True)
+
+    def strangers(self) -> list[str]:
+        """Return the names of nodes that write the topic besides the one whose topic it is."""
+        names = self._writers()
+        own = next((name for name in names if name in writers_of(self._topic)), None)
+        if own is not None:
+            names.remove(own)
+        return names
+
+    def _writers(self) -> list[str]:
+        return sorted(info.node_name for info in self._node.get_publishers_info_by_topic(self._topic.name))
+
+    def _hear(self, raw: bytes, publication: int | None) -> None:
+        name = self._topic.name
+        try:
+            step_id = read_step_id(raw)
+        except WireError as error:
+            self._refuse(f'{name}: {error}')
+            return
+        verdict = self._order.judge(publication, step_id)
+        if verdict is Verdict.OWN:
+            self._take(step_id, raw)
+            return
+        others = ', '.join(self.strangers()) or 'a node that has left'
+        if verdict is Verdict.CONTESTED:
+            raise NodeError(f'{name} has a second writer, {others}: which {step_id} is the right one cannot be told')
+        self._refuse(f'{name}: {step_id} comes from a second writer, {others}')
