@@ -21,8 +21,8 @@ _TITLES |= {'digest_ok': 'bytes are those recorded'}
 def bag_table(values: Mapping[str, Any]) -> Table:
     """Return the values of a bag that are a number or a word."""
     table = Table(title='What is in the bag', title_justify='left', show_header=False)
-    table.add_column('')
-    table.add_column('', justify='right')
+    table.add_column('', no_wrap=True)
+    table.add_column('', justify='right', overflow='fold')
     for name, value in values.items():
         if name == 'digest_ok' and value is None:
             table.add_row(_TITLES[name], 'unverified: no digest')
