@@ -21,9 +21,11 @@ _TITLES |= {'digest_ok': 'bytes are those recorded'}
 def bag_table(values: Mapping[str, Any]) -> Table:
     """Return the values of a bag that are a number or a word."""
     table = Table(title='What is in the bag', title_justify='left', show_header=False)
-    table.add_column('', no_wrap=True)
-    table.add_column('', justify='right', overflow='fold')
+    table.add_column('')
+    table.add_column('', justify='right')
     for name, value in values.items():
+        if name == 'digest':  # longer than a table is wide
+            continue
         if name == 'digest_ok' and value is None:
             table.add_row(_TITLES[name], 'unverified: no digest')
         elif isinstance(value, bool):
@@ -43,4 +45,5 @@ def bag_conclusion(values: Mapping[str, Any], run: Run, path: str) -> list[str]:
         said.append(f'{values["lost_s"]:.3g} s of motion are missing, in {values["gaps"]} place(s).')
     elif values['complete']:
         said.append('The run is whole: it came to its end, and no sample of the motion is missing.')
+    said.append(f'Digest: {values["digest"]}')
     return [*said, f'Next: `kapitsa analyse {path}` takes the critical speed from it.']
