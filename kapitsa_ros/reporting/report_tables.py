@@ -122,8 +122,9 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
     error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
     table.add_row('error', f'{error:.1f} %', _number(values['error_percent'], '.1f', ' %'))
     table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
-    interval = interval_text(values['omega_crit_interval_rpm'] or (None, None), '{:.0f}'.format)
-    table.add_row('its 95 % interval', '', f'{interval} RPM')
+    interval = values['omega_crit_interval_rpm'] or (None, None)
+    ends = 'none' if tuple(interval) == (None, None) else f'{interval_text(tuple(interval), "{:.0f}".format)} RPM'
+    table.add_row('its 95 % interval', '', ends)
     if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
         table.add_row(
             'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')

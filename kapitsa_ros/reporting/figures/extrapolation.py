@@ -33,6 +33,6 @@ def extrapolation(ours: Readings | None, theirs: Readings, line: LineFit | None)
     for readings, marker, colour, label in drawn:
         bars = readings.slow / readings.period * readings.period_sigma / RPM
         axes.errorbar(readings.slow / RPM, readings.forcing / RPM, xerr=bars, fmt=marker, color=colour, label=label)
-    axes.set(xlabel='Ω (RPM)', ylabel='ω (RPM)', ylim=(0, 3000))
+    axes.set(xlabel='Ω (RPM)', ylabel='ω (RPM)', xlim=(0, None), ylim=(0, 3000))
     axes.legend(fontsize=8)
     return figure

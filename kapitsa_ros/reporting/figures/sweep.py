@@ -50,7 +50,8 @@ def frequency_sweep(
         label = 'exact theory of the plant simulated' + (', play aside' if own.clearance else '')
         axes.plot(fine, curve, color=ORANGE, linewidth=1.0, linestyle='-.', label=label)
     points = np.reshape(measured, (-1, 2)) / RPM
-    axes.plot(points[:, 0], points[:, 1], 'o', color=ORANGE, label='measured')
+    if points.size:
+        axes.plot(points[:, 0], points[:, 1], 'o', color=ORANGE, label='measured')
     if readings is not None:
         bars = readings.slow / readings.period * readings.period_sigma / RPM
         axes.errorbar(

@@ -57,8 +57,12 @@ def drawings_of(content: Content) -> list[Drawing]:
             'The rod stands in the shaded region; the dots are the speeds of these runs.',
         ),
         (
-            extrapolation(ours, content.of_1997, line),
-            'The line is extrapolated to Ω = 0, far beyond the readings; bars are standard uncertainties.',
+            extrapolation(ours if ours.period.size else None, content.of_1997, line),
+            (
+                'Bars are standard uncertainties.'
+                if line is None
+                else 'The line is extrapolated to Ω = 0, far beyond the readings; bars are standard uncertainties.'
+            ),
         ),
     ]
     for run in content.runs:
@@ -145,5 +149,6 @@ def intervals(estimates: Sequence[Estimate], predicted: float, truth: float | No
         xlabel='ω_crit (RPM)', yticks=range(len(estimates)), yticklabels=[fill(e.name, 12) for e in reversed(estimates)]
     )
     axes.set_xlim(left - 20, right + 20)
+    axes.set_ylim(-0.6, len(estimates) - 0.4)
     axes.legend(fontsize=7, loc='upper center', bbox_to_anchor=(0.4, -0.2), ncols=2)
     return figure

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
 _FIGURE = re.compile(r'<p><img src="([^"]*)" alt="([^"]*)" ?/?></p>')
+_FIGURES = re.compile(r'(?:<figure.*?</figure>\s*)+', re.DOTALL)
 _CAPTIONED = re.compile(r'<p><strong>([^<]*)</strong></p>\s*<table>')
 _BESIDE = 2  # figures in a row on A4
 _GAP = 4.0  # mm between them
@@ -43,9 +44,12 @@ def as_html(content: Content) -> str:
     drawn = {drawing.name: _svg(drawing) for drawing in drawings}
 
     def figure(found: re.Match[str]) -> str:
-        return f'<figure>{drawn[found[1]]}<figcaption>{found[2]}</figcaption></figure>'
+        tall = ' class="tall"' if found[1] in stacked else ''
+        return f'<figure{tall}>{drawn[found[1]]}<figcaption>{found[2]}</figcaption></figure>'
 
+    stacked = {drawing.name for drawing in drawings if len(drawing.figure.axes) > 1}
     body = _FIGURE.sub(figure, _with_captions(_to_html(report_text(content, drawings))))
+    body = _FIGURES.sub(r'<div class="figures">\n\g<0></div>\n', body)
     environment = Environment(autoescape=False, undefined=StrictUndefined)  # noqa: S701 - the body is HTML already
     page = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
     return page.render(body=body)
@@ -85,6 +89,7 @@ def write_pdf(content: Content, path: Path) -> None:
         'h1': TextStyle(font_size_pt=16, font_style='B', b_margin=2),
         'h2': TextStyle(font_size_pt=12, font_style='B', t_margin=4, b_margin=1),
         'blockquote': TextStyle(color='#004b75', l_margin=5),
+        'li': TextStyle(l_margin=5),
     }
     waiting: list[tuple[io.BytesIO, float, str]] = []
     for block in _blocks(_to_html(report_text(content, drawings))):
@@ -101,7 +106,7 @@ def write_pdf(content: Content, path: Path) -> None:
             needed = _BEFORE_FIGURES if block.endswith('</h2>') else _BEFORE_TEXT
             if block.startswith(('<h2>', '<p><strong>')) and pdf.will_page_break(needed):
                 pdf.add_page()  # a heading stays with what it is of
-            pdf.write_html(block, font_family='DejaVu', tag_styles=styles)
+            pdf.write_html(block, font_family='DejaVu', tag_styles=styles, li_prefix_color='#000000')
     pdf.output(str(path))
 
 
@@ -161,10 +166,12 @@ def _add_table(pdf: FPDF, block: str, heading: FontFace) -> None:
     ]
     pdf.set_font('DejaVu', '', 7)
     longest = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    widths = tuple(min(max(length, 6), 40) for length in longest)
+    words = [max(len(word) for row in rows for word in row[column].split() or ['']) for column in range(len(rows[0]))]
+    widths = tuple(max(min(length, 40), word + 2, 6) for length, word in zip(longest, words, strict=True))
+    aligned = re.findall(r'<th( style="text-align:right")?>', block)
     with pdf.table(
         col_widths=widths,
-        text_align=('LEFT', *['RIGHT'] * (len(widths) - 1)),
+        text_align=tuple('RIGHT' if right else 'LEFT' for right in aligned),
         headings_style=heading,
         borders_layout='HORIZONTAL_LINES',
         line_height=4,
