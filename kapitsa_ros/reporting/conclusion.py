@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.laboratory.preset_trials import shipped_outcomes
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
 from kapitsa_ros.units import RPM, interval_text, is_within
 
 if TYPE_CHECKING:
@@ -31,9 +35,25 @@ def conclusion(values: Mapping[str, Any]) -> list[str]:
             f'Theory predicts {predicted:.0f} RPM for the ideal rod, {side} that: the rod, or the way it was timed, '
             'is not what theory takes it for.'
         )
+        said += _of_the_periods(values)
     if values['inverse_rpm'] is not None:
         said.append(_of_the_fit(values['inverse_rpm']))
     return said
+
+
+def _of_the_periods(values: Mapping[str, Any]) -> list[str]:
+    """Return what was read beside what theory has, where the values tell both; what is said of the rod rests on it."""
+    timed = [row for row in values.get('timings', ()) if row['kind'] == 'timed' and row['unused'] is None]
+    timed = [row for row in timed if row['swings'] and row['display_s'] and row['speed_taken_rpm']]
+    if not timed:
+        return []
+    rod = ideal_rod(Plant(**values['plant']))
+    slow = [slow_frequency_exact(rod, row['speed_taken_rpm'] * RPM) for row in timed]
+    theory = ', '.join('none' if each is None else f'{2.0 * math.pi / each:.2f}' for each in slow)
+    read = ', '.join(f'{row["display_s"] / row["swings"]:.2f}' for row in timed)
+    asked = 'Which causes do that, and which of them such readings cannot tell apart, says `kapitsa explain`'
+    decides = '`kapitsa plan` names the timing that would decide'
+    return [f'A swing took {read} s, where theory has {theory} s. {asked}; {decides}.']
 
 
 def _of_the_fit(rpm: float) -> str:

@@ -62,4 +62,7 @@ def experiment(
     show_result(found.values, plant, as_json=as_json)
     if not as_json:
         click.echo(f'{len(found.bags)} runs below {bags}; {found.realtime_factor:.0f} times real time')
-        click.echo(f'next: kapitsa report {bags} --output report.html; kapitsa analyse {bags} --budget')
+        click.echo('Next:')
+        click.echo(f'  kapitsa report {bags} --output report.html')
+        click.echo(f'  kapitsa analyse {bags} --budget --table timings.csv')
+        click.echo('  kapitsa explain timings.csv')
