@@ -11,6 +11,7 @@ import pytest
 
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.registry import CLIENT, ROLE_NAMES, WRITTEN
+from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.recover import recover
 from kapitsa_ros.rig.domain import reserved_domain
@@ -26,7 +27,7 @@ PATIENCE = 60.0
 
 def kill(folder: Path, storage: str, rate: float, roles: list[str], at_step: int) -> tuple[Path, int]:
     """Kill nodes of a rig once a step has been written; return the bag, and how many steps were acknowledged."""
-    setup = Setup(bags=folder, storage=storage, rate=rate)
+    setup = Setup(bags=folder, storage=storage, rate=rate, protocol=MANUAL)  # goes on until somebody ends it
     values = parameters(setup)
     with on_loopback(), reserved_domain() as domain:
         client = RigClient(domain)

@@ -1,0 +1,128 @@
+"""Bags that know nothing of this package: one joint, stamps of wall time, jitter, drops, repetitions."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+
+from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.uneven_series import even_series
+from kapitsa_ros.cli.commands.analyse import analyse
+from kapitsa_ros.laboratory.joint_analysis import analyse_joints
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.joint_samples import read_joint
+from kapitsa_ros.units import RPM
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+SPEED = 2500 * RPM
+SLOW = 2 * np.pi / 0.8
+"""rad/s of the swing that is written."""
+WALL = 1_760_000_000_000_000_000
+
+
+def theta(time: Any) -> Any:
+    """Return a slow swing, so small that it does not soften, with the ripple of the shaft on it."""
+    slow = 0.01 * np.cos(SLOW * time)
+    return slow * (1 + 0.05 * np.cos(SPEED * time))
+
+
+def write(
+    path: Path, time: Any, angle: Any, *, stamped: bool = True, velocity: bool = False, mixed: bool = False
+) -> Path:
+    kind = 'sensor_msgs/msg/JointState'
+    types = STORE.types
+    with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        link = writer.add_connection('/arm/states', kind, typestore=STORE)
+        for number, (seconds, value) in enumerate(zip(time, angle, strict=True)):
+            stamp = WALL + round(seconds * 1e9)
+            header = types['std_msgs/msg/Header'](
+                types['builtin_interfaces/msg/Time'](*divmod(stamp if stamped else 0, 10**9)),
+                'base' if not mixed or number % 2 else 'base of the arm',
+            )
+            rate = np.array([1.0, -SLOW * value]) if velocity else np.array([])
+            message = types[kind](header, ['elbow', 'θ'], np.array([7.0, value]), rate, np.array([]))
+            writer.write(link, stamp, STORE.serialize_cdr(message, kind))
+    return path
+
+
+def defects_and_slow(path: Path) -> tuple[list[str], float]:
+    [run] = analyse_joints([path], 'θ', [SPEED], Plant())['runs']
+    return run['defects'], run['slow_rpm']
+
+
+EVEN = np.arange(0.0, 12.0, 0.001)
+
+
+def test_an_even_recording_gives_the_frequency_and_nothing_to_say(tmp_path: Path) -> None:
+    defects, slow = defects_and_slow(write(tmp_path / 'run', EVEN, theta(EVEN)))
+    assert slow == pytest.approx(75.0, rel=1e-4)
+    assert defects == []
+
+
+def test_jitter_drops_and_repetitions_are_said_and_survived(tmp_path: Path) -> None:
+    chance = np.random.default_rng(3)
+    time = np.sort(EVEN + chance.normal(0.0, 5e-5, EVEN.size))
+    kept = np.sort(np.concatenate((chance.permutation(time)[: int(0.99 * time.size)], time[100:110])))
+    defects, slow = defects_and_slow(write(tmp_path / 'run', kept, theta(kept)))
+    assert slow == pytest.approx(75.0, rel=1e-4)
+    assert 'samples have the time of another' in ' '.join(defects)
+    assert 'gaps, in which 0.1' in ' '.join(defects)
+    assert 'times are uneven' in ' '.join(defects)
+
+
+def test_a_wide_gap_ends_the_stretch_that_is_analysed(tmp_path: Path) -> None:
+    time = EVEN[(EVEN < 3.0) | (EVEN > 4.0)]
+    defects, slow = defects_and_slow(write(tmp_path / 'run', time, theta(time)))
+    assert slow == pytest.approx(75.0, rel=1e-4)
+    assert defects[0] == '1 gaps, in which 1.001 s are missing'
+    assert '7.998 s of 12 s' in defects[1]
+
+
+@pytest.mark.parametrize('mixed', [False, True])
+def test_samples_are_those_that_were_written_to_the_last_bit(tmp_path: Path, *, mixed: bool) -> None:
+    """Messages of one layout are read as a table, others one by one."""
+    time = EVEN[:500]
+    found = read_joint(write(tmp_path / 'run', time, theta(time), velocity=True, mixed=mixed), 'θ')
+    assert found.position.tobytes() == theta(time).tobytes()
+    assert found.rate is not None
+    assert found.rate.tobytes() == (-SLOW * theta(time)).tobytes()
+    assert (found.stamps_ns - WALL).tolist() == [round(each * 1e9) for each in time]
+
+
+def test_headers_without_time_leave_the_time_of_recording(tmp_path: Path) -> None:
+    found = read_joint(write(tmp_path / 'run', EVEN[:50], theta(EVEN[:50]), stamped=False), 'θ')
+    assert (found.stamps_ns - WALL).tolist() == [round(each * 1e9) for each in EVEN[:50]]
+    assert found.defects == ('the headers on arm/states carry no time: that of recording is taken',)
+
+
+def test_a_joint_that_is_not_there_is_named_beside_those_that_are(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match='has no joint shoulder: elbow, θ'):
+        read_joint(write(tmp_path / 'run', EVEN[:9], theta(EVEN[:9])), 'shoulder')
+
+
+def test_what_is_no_motion_is_refused() -> None:
+    nothing = np.full(100, np.nan)
+    with pytest.raises(AnalysisError, match='0 samples are no motion'):
+        even_series(np.arange(100.0), nothing, None, 1.0)
+    with pytest.raises(AnalysisError, match='all gaps'):
+        even_series(np.repeat(np.arange(10.0) * 100, 2) + np.tile([0, 0.001], 10), np.zeros(20), None, 0.01)
+
+
+def test_the_command_line(tmp_path: Path) -> None:
+    bag = str(write(tmp_path / 'run', EVEN, theta(EVEN)))
+    done = CliRunner().invoke(analyse, [bag, '--joint', 'θ', '--speed', '2500', '--length', '0.3', '--json'])
+    assert done.exit_code == 0, done.exception
+    assert '"truth_rpm": null' in done.stdout
+    assert '"length": 0.3' in done.stdout
+    assert '1 s' not in done.stderr
+    for wrong, words in (
+        (['--joint', 'θ'], '--speed is needed with --joint'),
+        (['--speed', '2500'], 'it is for --joint'),
+        (['--joint', 'θ', '--speed', '2500', '--table', 'x.csv'], 'a motion has no timings'),
+    ):
+        assert words in str(CliRunner().invoke(analyse, [bag, *wrong]).exception)
