@@ -57,7 +57,7 @@ class ExperimentResult:
             interval_allows_for=allowed(self.values['assumptions']),
             predicted=speed_text(self.predicted),
             truth=speed_text(self.truth),
-            errors_beyond_stated=_percent(self.values['discrepancy_percent']),
+            beyond_stated_uncertainty=_percent(self.values['discrepancy_percent']),
         )
 
     def to_pandas(self) -> pd.DataFrame:

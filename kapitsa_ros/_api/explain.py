@@ -26,9 +26,9 @@ class Explanations:
     indistinguishable: tuple[str, ...]
     """Those that the readings cannot tell apart."""
     period_sigma: tuple[float, float]
-    """Smallest and largest error stated of a period, s."""
+    """Smallest and largest uncertainty stated of a period, s."""
     with_other_errors: tuple[OtherErrors, ...]
-    """The ranking with the errors of the periods halved, doubled and fitted."""
+    """The ranking with the uncertainties of the periods halved, doubled and fitted."""
     warnings: tuple[str, ...]
 
     def __repr__(self) -> str:
@@ -55,7 +55,7 @@ def explain(readings: AnyReadings = '1997', plant: AnyPlant = None) -> Explanati
     Parameters
     ----------
     readings
-        A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
+        A table, by its name or path; or columns: `(speed, period)`, and where known their standard uncertainties.
     plant
         What it should have been: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
 

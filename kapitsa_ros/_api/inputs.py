@@ -68,7 +68,7 @@ def as_readings(readings: AnyReadings) -> Readings:
 def as_timings(readings: AnyReadings) -> TimingTable:
     """Return a table: itself, one by name or path, or one of readings or of two to four columns.
 
-    The columns are speeds, periods, and the standard errors of either, each an array or one value for all.
+    The columns are speeds, periods, and the standard uncertainties of either, each an array or one value for all.
 
     Raises
     ------

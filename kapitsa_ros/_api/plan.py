@@ -46,7 +46,7 @@ class PlannedProtocol:
             speeds=speeds_text(self.speeds),
             timings=f'{self.repeats} of {self.swings} swing(s) at each',
             decides=f'{" or ".join(self.separation.between)}: {speed_text(self.separation.speed)}, '
-            f'{self.separation.sigmas:.1f} standard errors apart',
+            f'{self.separation.sigmas:.1f} standard uncertainties apart',
         )
 
     def to_pandas(self) -> pd.DataFrame:

@@ -146,12 +146,12 @@ def reduce(
     Parameters
     ----------
     readings
-        A table, by its name or path; or columns: `(speed, period)`, and where known the standard errors of either.
+        A table, by its name or path; or columns: `(speed, period)`, and where known their standard uncertainties.
     plant
         What theory predicts for: a `Plant`, or a preset by its name or path; the report's ideal rod where not given.
         Its amplitude is what the ruler said, for the exact curve.
     amplitude_sigma
-        Standard error of the ruler's word, m.
+        Standard uncertainty of the ruler's word, m.
     assumptions
         What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
 
@@ -214,10 +214,10 @@ def reduce(
 def _finding(what: str, discrepancy: float | None) -> tuple[str, ...]:
     if discrepancy == 0.0:
         return ()
-    finding = f'the readings lie farther from {what} than their errors allow'
+    finding = f'the readings lie farther from {what} than their uncertainties allow'
     if discrepancy is None:
         return (f'{finding}: they contradict one another, and bound nothing',)
-    return (f'{finding}: {100.0 * discrepancy:.2g} % of each period is added to its error',)
+    return (f'{finding}: {100.0 * discrepancy:.2g} % of each period is added to its uncertainty',)
 
 
 def _number(value: float | None) -> float:

@@ -38,8 +38,8 @@ def allowed(assumed: Mapping[str, float]) -> str:
         if assumed[probability]
     ]
     named += [
-        f'{what} of u = {100.0 * assumed[name]:.3g} %'
-        for name, what in (('stopwatch_rate_u', "an error of the stopwatch's rate"), ('dial_u', 'an error of the dial'))
+        f'{what} (u = {100.0 * assumed[name]:.3g} %)'
+        for name, what in (('stopwatch_rate_u', 'the rate of the stopwatch'), ('dial_u', 'the calibration of the dial'))
         if assumed[name]
     ]
     return ', '.join(named) or 'light damping alone'

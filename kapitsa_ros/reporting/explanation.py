@@ -59,7 +59,7 @@ def error_sentences(period_sigma: tuple[float, float], others: Sequence[OtherErr
     """Return how the ranking depends on the errors that are stated of the periods, a sentence each."""
     low, high = period_sigma
     ends = f'{low:.3g} s' if low == high else f'{low:.3g} to {high:.3g} s'
-    said = [f'the ranking rests on an error of each period of {ends}']
+    said = [f'the ranking rests on a standard uncertainty of each period of {ends}']
     for each in others:
         sigma = f'{low * each.factor:.2g} s' if low == high else f'{each.factor:.2g} of what is stated'
         best = ', '.join(name.replace('_', ' ') for name in each.best) or 'no single cause'

@@ -44,9 +44,8 @@ def separation_sentence(found: Separation) -> str:
     first, second = found.between
     swing = 'the swing as before' if found.release is None else f'a swing of {found.release:g} rad'
     what = f'time {swing} at {found.speed / RPM:.0f} RPM'
-    predictions = (
-        f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {found.sigmas:.1f} standard errors apart'
-    )
+    apart = f'{found.sigmas:.1f} standard uncertainties apart'
+    predictions = f'they say {found.periods[0]:.2f} s and {found.periods[1]:.2f} s, {apart}'
     if found.sigmas < _APART:
         return f'No single timing tells {first} from {second}; the best of them: {what}; {predictions}.'
     return f'To tell {first} from {second}: {what}; {predictions}.'

@@ -120,14 +120,14 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
         table.add_row(label, _number((fitted[key] or 0) / RPM, '.1f', ' RPM'), _number(values[key], '.1f', ' RPM'))
     table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))
     error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
-    table.add_row('error', f'{error:.1f} %', _number(values['error_percent'], '.1f', ' %'))
+    table.add_row('deviation of the fit of 1997', f'{error:+.1f} %', _number(values['error_percent'], '+.1f', ' %'))
     table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
     interval = values['omega_crit_interval_rpm'] or (None, None)
     ends = 'none' if tuple(interval) == (None, None) else f'{interval_text(tuple(interval), "{:.0f}".format)} RPM'
     table.add_row('its 95 % interval', '', ends)
     if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
         table.add_row(
-            'errors of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
+            'uncertainty of T beyond the stated', '', _number(values['discrepancy_percent'], '.2g', ' % allowed for')
         )
     table.add_row('exact threshold of the plant simulated', '', _number(values['truth_rpm'], '.2f', ' RPM'))
     table.add_row('deviation of the best estimate from it', '', _number(values['deviation_percent'], '+.2f', ' %'))

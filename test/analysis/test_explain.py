@@ -61,7 +61,7 @@ def test_no_cause_has_weight_where_none_fits():
     torn = Readings(np.array([2240.0, 2241, 2780]) * RPM, np.array([1.0, 0.6, 0.5]), np.zeros(3), np.full(3, 1e-3))
     verdict = explain(torn, IDEAL)
     assert all(np.isnan(explanation.weight) for explanation in verdict.explanations)
-    assert 'no single cause fits within the stated errors' in verdict.warnings
+    assert 'no single cause fits within the stated uncertainties' in verdict.warnings
 
 
 def test_readings_without_an_error_still_give_misfits():

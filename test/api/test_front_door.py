@@ -237,6 +237,6 @@ def test_a_bag_that_counts_twice_is_told_of(tmp_path: Path) -> None:
 
 def test_what_was_allowed_for_or_left_out_stands_beside_the_numbers() -> None:
     apart = kr.reduce((['2240 rpm', '2240 rpm', '2780 rpm'], [1.0, 0.98, 0.68], [0.0] * 3, [1e-3] * 3))
-    assert '1.4 % of each period is added to its error' in repr(apart)
+    assert '1.4 % of each period is added to its uncertainty' in repr(apart)
     assert '1 of 2 speeds are not above 0 and at most 1e+06 rad/s' in repr(kr.theory(speed=[0.0, 250.0]))
     assert 'warnings        none' in repr(kr.theory(speed=250.0))

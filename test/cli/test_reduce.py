@@ -43,7 +43,7 @@ def test_readings_off_any_line_widen_the_interval_and_are_said_to(tmp_path, kapi
     table.write_text('forcing_rpm,period_s,period_sigma_s\n2240,1.00,0.001\n2240,0.98,0.001\n2780,0.68,0.001\n')
     answer = kapitsa('reduce', table, '--json')
     values = answer.json
-    assert 'is added to its error' in answer.err
+    assert 'is added to its uncertainty' in answer.err
     # √(((1 − 0.98)² / 2) / (1 dof)) = 1.4 % of a period
     assert values['eiv_discrepancy_percent'] == pytest.approx(1.43, abs=0.05)
     low, high = values['eiv_interval_rpm']

@@ -238,7 +238,7 @@ def _warnings(readings: Readings, ranked: Sequence[Explanation]) -> tuple[str, .
             'and a constant tuned to them is not a measurement of it'
         )
     if not any(explanation.fits for explanation in ranked):
-        notes.append('no single cause fits within the stated errors')
+        notes.append('no single cause fits within the stated uncertainties')
     untimed = [explanation.name for explanation in ranked if not math.isfinite(explanation.rms_misfit)]
     if 'instruments' in untimed:
         notes.append(

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     type=LENGTH,
     default=RULER_SIGMA,
     show_default='0.125mm',
-    help='standard error of the amplitude, for the exact curve',
+    help='standard uncertainty of the amplitude, for the exact curve',
 )
 @assumption_option
 @budget_option

@@ -169,7 +169,7 @@ def _estimates(evidence: Evidence, curve: CriticalSpeed | None, theirs: Readings
         ),
         Estimate(name='Ω² on ω²', value=forward.omega_crit if forward else None, of_1997=fit_ols(theirs).omega_crit),
         Estimate(
-            name='line, errors in both readings',
+            name='line, uncertainty in both readings',
             value=line.omega_crit if line else None,
             interval=line.interval if line else None,
             of_1997=line_1997.omega_crit,
