@@ -28,6 +28,8 @@ def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> No
     for table in report_tables(values, plant):
         show_table(table)
     say([*repairs(values), *allowances(*(values[name] for name in _ALLOWED))])
+    if unverified := [run['bag'] for run in values['runs'] if run['digest_ok'] is None]:
+        say([f'Unverified, as no digest is recorded with them: {", ".join(unverified)}.'])
     if 'budget' in values:
         show_budget(values['budget'])
     say(conclusion(values))

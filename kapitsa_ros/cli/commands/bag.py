@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @click.group(no_args_is_help=False)
 def bag() -> None:
-    """Look into recorded runs, and make them whole."""
+    """Look into recorded runs, make them whole, export them."""
 
 
 @bag.command()
@@ -63,6 +63,34 @@ def recover(*, bags: tuple[Path, ...], output: Path | None, as_json: bool) -> No
             {'bag': str(each.bag), 'steps': each.steps, 'lost_s': each.lost, 'reason': each.reason} for each in found
         ]
         print_json({'recovered': values})
+
+
+@bag.command()
+@click.argument('path', metavar='BAG', type=click.Path(path_type=Path))
+@click.option(
+    '--format',
+    'kind',
+    type=click.Choice(['csv', 'parquet', 'netcdf', 'joint-states']),
+    required=True,
+    help='of the file; joint-states is a bag with the motion as one sample a message, for viewers',
+)
+@click.option('--output', type=click.Path(path_type=Path), required=True, help='the file, or the folder of the bag')
+@click.option('--topic', 'topics', multiple=True, help='of the run; all where none is given (several may be given)')
+@click.option('--run', 'number', type=int, help='number of the run, where the bag holds several')
+@json_option
+def export(*, path: Path, kind: str, output: Path, topics: tuple[str, ...], number: int | None, as_json: bool) -> None:
+    """Write motion, pivot, readings and commands of a run to a file for other tools: units in the column names."""
+    from kapitsa_ros.recording.export_files import export as call  # noqa: PLC0415
+    from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
+
+    run = RunBag(path, number)
+    rows = call(run, kind, output, topics)
+    for defect in run.defects:
+        warn(f'{path}: {defect}')
+    if as_json:
+        print_json({'output': str(output), 'rows': rows})
+    else:
+        click.echo(f'{output}: {rows} rows')
 
 
 def _values(opened: RunBag) -> dict[str, Any]:
