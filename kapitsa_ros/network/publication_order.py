@@ -43,6 +43,8 @@ class PublicationOrder:
         self._before: StepId | None = None
         self._began: dict[int, int] = {}
         self._skipped: list[range] = []
+        self._doubtful: int | None = None
+        """The first publication that was taken while there was another writer: before it all are the writer's own."""
 
     def judge(self, publication: int | None, step_id: StepId) -> Verdict:
         """Return what a message is, and remember it if it goes on where the last one was.
@@ -79,12 +81,17 @@ class PublicationOrder:
     def _is_contested(self, publication: int, step_id: StepId) -> bool:
         first_of_all = self._before is None and self._last is not None and step_id == self._last[1]
         began = self._began.get(step_id.run)
-        same_place = began is not None and publication == began + step_id.step
+        same_place = began is not None and publication == began + step_id.step and self._is_doubtful(publication)
         return first_of_all or same_place or any(publication in skipped for skipped in self._skipped)
+
+    def _is_doubtful(self, publication: int) -> bool:
+        return self._doubtful is not None and publication >= self._doubtful
 
     def _take(self, publication: int, step_id: StepId) -> None:
         self._before = self._last[1] if self._last else None
         self._last = (publication, step_id)
+        if self._doubtful is None and not self._is_alone():
+            self._doubtful = publication
         if step_id.step == 0 or step_id.run not in self._began:
             self._began[step_id.run] = publication - step_id.step
         while len(self._began) > _REMEMBERED:

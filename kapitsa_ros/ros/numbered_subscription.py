@@ -5,6 +5,8 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING, Any
 
+from rclpy.event_handler import SubscriptionEventCallbacks
+
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.publication_order import PublicationOrder, Verdict
@@ -52,7 +54,8 @@ class NumberedSubscription:
         fail: Callable[[Exception], None],
     ) -> None:
         self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
-        self._order = PublicationOrder(lambda: len(self._writers()) <= 1)
+        self._matched = 0
+        self._order = PublicationOrder(lambda: self._matched <= 1)
 
         def hear(message: Any, info: Any = None) -> None:
             # The events executor of rclpy 7.1 gives both as one argument.
@@ -63,7 +66,9 @@ class NumberedSubscription:
                 fail(error)
 
         hear.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
-        node.create_subscription(message_class(topic.type), topic.name, hear, STREAM, raw=True)
+        events = SubscriptionEventCallbacks(matched=self._note_match)
+        kind = message_class(topic.type)
+        node.create_subscription(kind, topic.name, hear, STREAM, raw=True, event_callbacks=events)
 
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""
@@ -72,6 +77,9 @@ class NumberedSubscription:
         if own is not None:
             names.remove(own)
         return names
+
+    def _note_match(self, event: Any) -> None:
+        self._matched = event.current_count
 
     def _writers(self) -> list[str]:
         return sorted(info.node_name for info in self._node.get_publishers_info_by_topic(self._topic.name))

@@ -77,7 +77,8 @@ class PeerDiscovery:
             writers = self._node.get_publishers_info_by_topic(topic.name)
             if len(writers) > 1:
                 domain = self._node.context.get_domain_id()
+                names = ', '.join(sorted(info.node_name for info in writers))
                 raise NodeError(
-                    f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already; '
+                    f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already ({names}); '
                     'choose another ROS_DOMAIN_ID or stop it'
                 )

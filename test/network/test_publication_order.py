@@ -48,6 +48,13 @@ def test_a_stranger_that_has_left_before_anyone_looked_is_found_too() -> None:
     assert order.judge(11, StepId(1, 10)) is CONTESTED
 
 
+def test_what_was_taken_before_the_stranger_came_is_beyond_doubt() -> None:
+    order = after(10, alone=False)
+    assert order.judge(11, StepId(1, 10)) is OWN
+    assert order.judge(5, StepId(1, 4)) is FOREIGN
+    assert order.judge(11, StepId(1, 10)) is CONTESTED
+
+
 @pytest.mark.parametrize('publications', itertools.permutations([1, 7]))
 def test_the_first_step_of_all_tells_nobody_from_another(publications: tuple[int, int]) -> None:
     order = after(0)
