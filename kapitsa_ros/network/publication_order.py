@@ -19,7 +19,7 @@ _REMEMBERED = 2
 """Runs of which it is known at which publication they began."""
 
 
-class Verdict(Enum):
+class Provenance(Enum):
     """What a message is."""
 
     OWN = 'of the writer, as far as can be told'
@@ -46,7 +46,7 @@ class PublicationOrder:
         self._doubtful: int | None = None
         """The first publication that was taken while there was another writer: before it all are the writer's own."""
 
-    def judge(self, publication: int | None, step_id: StepId) -> Verdict:
+    def classify(self, publication: int | None, step_id: StepId) -> Provenance:
         """Return what a message is, and remember it if it goes on where the last one was.
 
         Parameters
@@ -58,25 +58,25 @@ class PublicationOrder:
 
         """
         if publication is None:
-            return Verdict.OWN
+            return Provenance.OWN
         if self._last is None:
-            return self._judge_first(publication, step_id)
+            return self._classify_first(publication, step_id)
         last, last_step = self._last
         if publication <= last:
-            return Verdict.CONTESTED if self._is_contested(publication, step_id) else Verdict.FOREIGN
+            return Provenance.CONTESTED if self._is_contested(publication, step_id) else Provenance.FOREIGN
         if publication > last + 1 and not self._is_alone():
-            return Verdict.CONTESTED if self._before is None and step_id == last_step else Verdict.FOREIGN
+            return Provenance.CONTESTED if self._before is None and step_id == last_step else Provenance.FOREIGN
         if step_id.follows(last_step) or (step_id.step == 0 and step_id.run > last_step.run):
             # What has been skipped was no numbered message, or no step of its own.
             self._skipped = [*self._skipped[-8:], range(last + 1, publication)]
             self._take(publication, step_id)
-        return Verdict.OWN
+        return Provenance.OWN
 
-    def _judge_first(self, publication: int, step_id: StepId) -> Verdict:
+    def _classify_first(self, publication: int, step_id: StepId) -> Provenance:
         if self._is_alone():
             self._take(publication, step_id)
-            return Verdict.OWN
-        return Verdict.CONTESTED if step_id.step == 0 else Verdict.FOREIGN
+            return Provenance.OWN
+        return Provenance.CONTESTED if step_id.step == 0 else Provenance.FOREIGN
 
     def _is_contested(self, publication: int, step_id: StepId) -> bool:
         first_of_all = self._before is None and self._last is not None and step_id == self._last[1]

@@ -9,7 +9,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.publication_order import PublicationOrder, Verdict
+from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.registry import writers_of
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.qos import STREAM, message_class
@@ -57,18 +57,18 @@ class NumberedSubscription:
         self._matched = 0
         self._order = PublicationOrder(lambda: self._matched <= 1)
 
-        def hear(message: Any, info: Any = None) -> None:
+        def receive(message: Any, info: Any = None) -> None:
             # The events executor of rclpy 7.1 gives both as one argument.
             raw, info = message if info is None else (message, info)
             try:
-                self._hear(raw, info.get('publication_sequence_number'))
+                self._receive(raw, info.get('publication_sequence_number'))
             except Exception as error:  # noqa: BLE001  # thrown through the executor it would lose its type
                 fail(error)
 
-        hear.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
+        receive.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
         events = SubscriptionEventCallbacks(matched=self._note_match)
         kind = message_class(topic.type)
-        node.create_subscription(kind, topic.name, hear, STREAM, raw=True, event_callbacks=events)
+        node.create_subscription(kind, topic.name, receive, STREAM, raw=True, event_callbacks=events)
 
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""
@@ -84,18 +84,18 @@ class NumberedSubscription:
     def _writers(self) -> list[str]:
         return sorted(info.node_name for info in self._node.get_publishers_info_by_topic(self._topic.name))
 
-    def _hear(self, raw: bytes, publication: int | None) -> None:
+    def _receive(self, raw: bytes, publication: int | None) -> None:
         name = self._topic.name
         try:
             step_id = read_step_id(raw)
         except WireError as error:
             self._refuse(f'{name}: {error}')
             return
-        verdict = self._order.judge(publication, step_id)
-        if verdict is Verdict.OWN:
+        provenance = self._order.classify(publication, step_id)
+        if provenance is Provenance.OWN:
             self._take(step_id, raw)
             return
         others = ', '.join(self.strangers()) or 'a node that has left'
-        if verdict is Verdict.CONTESTED:
+        if provenance is Provenance.CONTESTED:
             raise NodeError(f'{name} has a second writer, {others}: which {step_id} is the right one cannot be told')
         self._refuse(f'{name}: {step_id} comes from a second writer, {others}')

@@ -4,10 +4,10 @@ import itertools
 
 import pytest
 
-from kapitsa_ros.network.publication_order import PublicationOrder, Verdict
+from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.step_id import StepId
 
-OWN, FOREIGN, CONTESTED = Verdict.OWN, Verdict.FOREIGN, Verdict.CONTESTED
+OWN, FOREIGN, CONTESTED = Provenance.OWN, Provenance.FOREIGN, Provenance.CONTESTED
 
 
 def after(steps: int, *, alone: bool = True) -> PublicationOrder:
@@ -15,7 +15,7 @@ def after(steps: int, *, alone: bool = True) -> PublicationOrder:
     order = PublicationOrder(lambda: order.alone)
     order.alone = True
     for step in range(steps):
-        assert order.judge(step + 1, StepId(1, step)) is OWN
+        assert order.classify(step + 1, StepId(1, step)) is OWN
     order.alone = alone
     return order
 
@@ -23,58 +23,58 @@ def after(steps: int, *, alone: bool = True) -> PublicationOrder:
 def test_one_writer_is_heard_over_runs_and_their_ends() -> None:
     order = after(3)
     numbers = [StepId(1, 3), StepId(1, 4, end=True), StepId(2, 0), StepId(2, 1), StepId(3, 0), StepId(4, 0, end=True)]
-    assert [order.judge(number, step) for number, step in enumerate(numbers, 4)] == [OWN] * 6
+    assert [order.classify(number, step) for number, step in enumerate(numbers, 4)] == [OWN] * 6
 
 
 @pytest.mark.parametrize('publication', [1, 2, 3, 9, 50, 1000])
 @pytest.mark.parametrize('step', [StepId(1, 7), StepId(1, 10), StepId(1, 12), StepId(1, 10, end=True), StepId(2, 0)])
 def test_a_stranger_that_counts_its_own_publications_changes_nothing(publication: int, step: StepId) -> None:
     order = after(10, alone=False)
-    assert order.judge(publication, step) is FOREIGN
-    assert order.judge(11, StepId(1, 10)) is OWN
+    assert order.classify(publication, step) is FOREIGN
+    assert order.classify(11, StepId(1, 10)) is OWN
 
 
 def test_a_stranger_that_was_believed_is_found_when_the_writer_speaks() -> None:
     order = after(10, alone=False)
-    assert order.judge(11, StepId(1, 10)) is OWN
-    assert order.judge(12, StepId(1, 11)) is OWN
-    assert order.judge(11, StepId(1, 10)) is CONTESTED
+    assert order.classify(11, StepId(1, 10)) is OWN
+    assert order.classify(12, StepId(1, 11)) is OWN
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
 
 
 def test_a_stranger_that_has_left_before_anyone_looked_is_found_too() -> None:
     """It had counted on far enough, and the graph shows one writer again."""
     order = after(10)
-    assert order.judge(500, StepId(1, 10)) is OWN
-    assert order.judge(11, StepId(1, 10)) is CONTESTED
+    assert order.classify(500, StepId(1, 10)) is OWN
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
 
 
 def test_what_was_taken_before_the_stranger_came_is_beyond_doubt() -> None:
     order = after(10, alone=False)
-    assert order.judge(11, StepId(1, 10)) is OWN
-    assert order.judge(5, StepId(1, 4)) is FOREIGN
-    assert order.judge(11, StepId(1, 10)) is CONTESTED
+    assert order.classify(11, StepId(1, 10)) is OWN
+    assert order.classify(5, StepId(1, 4)) is FOREIGN
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
 
 
 @pytest.mark.parametrize('publications', itertools.permutations([1, 7]))
 def test_the_first_step_of_all_tells_nobody_from_another(publications: tuple[int, int]) -> None:
     order = after(0)
-    assert order.judge(publications[0], StepId(1, 0)) is OWN
+    assert order.classify(publications[0], StepId(1, 0)) is OWN
     order.alone = False
-    assert order.judge(publications[1], StepId(1, 0)) is CONTESTED
-    assert after(0, alone=False).judge(publications[0], StepId(1, 0)) is CONTESTED
+    assert order.classify(publications[1], StepId(1, 0)) is CONTESTED
+    assert after(0, alone=False).classify(publications[0], StepId(1, 0)) is CONTESTED
 
 
 def test_the_writers_own_repetitions_and_idle_words_are_its_own() -> None:
     order = after(2)
-    assert order.judge(3, StepId(1, 1)) is OWN
-    assert order.judge(5, StepId(1, 2)) is OWN
-    assert order.judge(6, StepId(1, 3)) is OWN
+    assert order.classify(3, StepId(1, 1)) is OWN
+    assert order.classify(5, StepId(1, 2)) is OWN
+    assert order.classify(6, StepId(1, 3)) is OWN
 
 
 def test_a_gap_of_the_only_writer_is_left_to_who_looks_for_gaps() -> None:
-    assert after(2).judge(9, StepId(1, 8)) is OWN
-    assert after(0).judge(40, StepId(1, 39)) is OWN
+    assert after(2).classify(9, StepId(1, 8)) is OWN
+    assert after(0).classify(40, StepId(1, 39)) is OWN
 
 
 def test_where_the_middleware_counts_nothing_everything_is_taken() -> None:
-    assert after(2, alone=False).judge(None, StepId(1, 2)) is OWN
+    assert after(2, alone=False).classify(None, StepId(1, 2)) is OWN
