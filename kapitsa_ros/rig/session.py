@@ -153,8 +153,7 @@ def _watch(
                     formation.check()
                 if not monitor.session_over:
                     nodes.refuse_leavers(LEAVING)
-                elif not told:
-                    monitor.wait_for_end()
+                elif not told and monitor.is_complete:
                     on_end(monitor)
                     told = True
             monitor.wait_for_end()

@@ -65,7 +65,7 @@ class SessionMonitor(ListenerNode):
 
         """
         with self._news:
-            came = self._news.wait_for(lambda: (self.session_over and self._ended) or self._failure, timeout)
+            came = self._news.wait_for(lambda: self.is_complete or self._failure, timeout)
             self.check()
             if not came:
                 raise TimeoutError('the rig did not say that the session is over')
@@ -74,6 +74,11 @@ class SessionMonitor(ListenerNode):
     def session_over(self) -> bool:
         """Whether the owner of time has said that no run follows."""
         return self._over
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the session is over and its last results have come."""
+        return self.session_over and self._ended
 
     def wait_for_progress(self, timeout: float) -> dict[str, str]:
         """Wait for the next report of progress and return its values.

@@ -58,7 +58,7 @@ def test_figures_do_not_depend_on_the_users_style(tmp_path: Path) -> None:
     with matplotlib.rc_context({'text.usetex': True, 'axes.facecolor': 'black'}):
         answer = CliRunner().invoke(figures, ['--output', str(tmp_path)])
     assert answer.exit_code == 0, answer.output
-    assert len(list(tmp_path.iterdir())) == 4
+    assert len(list(tmp_path.iterdir())) == 5
     corner = matplotlib.image.imread(tmp_path / 'figure_2.png')[5, 5, :3]
     assert corner.min() == 1.0
 
