@@ -165,11 +165,18 @@ def test_pdf_has_pages_of_a4(of_one_bag, tmp_path):
 def test_every_parameter_of_the_plant_and_every_run_is_in_it(page, runs):
     for item in describe(Plant):
         assert f'<td>{item.name.replace("_", " ")}</td>' in page
+    expected = []
     for recorded in runs:
-        assert f'aria-label="Figure 4: time history of θ, {recorded.name}"' in page
-        assert f'aria-label="Figure 5: spectrum of θ, {recorded.name}"' in page
+        swings = recorded.swings()
+        assert [recorded.timing_of(swing) for swing in swings] == list(recorded.run.timings)
+        names = [f', swing {number} of {len(swings)}' for number in range(1, len(swings) + 1)] if swings[1:] else ['']
+        for name in names:
+            assert f'aria-label="Figure 4: time history of θ, {recorded.name}{name}"' in page
+            assert f'aria-label="Figure 5: spectrum of θ, {recorded.name}{name}"' in page
+            expected.append(60.0 / recorded.run.period)
     named = [float(text) for text in re.findall(r'Ω = ([\d.]+) RPM', page)]
-    assert named == pytest.approx([60.0 / recorded.run.period for recorded in runs], rel=0.1)
+    assert named == pytest.approx(expected, rel=0.1)
+    assert 'friction stops it before it is timed, 2240 RPM asked for' in page
 
 
 def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs):
@@ -188,7 +195,8 @@ def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs)
 
 def test_swing_begins_where_it_was_let_go(runs):
     for recorded in runs:
-        time, angle = recorded.free_swing()
+        swing = recorded.free_swing()
+        time, angle = swing.time, swing.angle
         assert time[0] == 0
         assert abs(angle[0]) == pytest.approx(recorded.run.release, rel=0.01)
         assert time[-1] > 1.0

@@ -22,10 +22,11 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from kapitsa_ros.analysis.recorded_run import RecordedRun
+    from kapitsa_ros.analysis.recorded_run import FreeSwing, RecordedRun
     from kapitsa_ros.reporting.report.content import Content, Estimate
 
 _SHOWN = 5.0  # s of Figure 4
+_ENDS = {'fell': ', the rod falls', 'stopped': ', friction stops it before it is timed'}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,10 +68,7 @@ def drawings_of(content: Content) -> list[Drawing]:
     ]
     for run in content.runs:
         if run.has_moved():
-            end = 'the rod falls' if run.run.fell else f'let go at {abs(run.run.release or 0.0):.3g} rad'
-            figures.append((recorded_swing(run), f'The angle as recorded, from the last release on: {end}.'))
-            if not run.run.fell:
-                figures.append((recorded_spectrum(run), 'The slow line is Ω, its two companions stand at ω ± Ω.'))
+            figures += _of_run(run)
     own = None if content.plant == nominal else content.plant
     figures.append(
         (
@@ -87,24 +85,41 @@ def drawings_of(content: Content) -> list[Drawing]:
     ]
 
 
-def recorded_swing(recorded: RecordedRun) -> Figure:
+def _of_run(run: RecordedRun) -> list[tuple[Figure, str]]:
+    """Draw every swing of a run, and the spectrum of each after which the rod did not fall."""
+    figures = []
+    swings = run.swings()
+    for number, swing in enumerate(swings, start=1):
+        timing = run.timing_of(swing)
+        name = run.name if len(swings) == 1 else f'{run.name}, swing {number} of {len(swings)}'
+        speed = f'{run.forcing_of(swing) / RPM:.0f} RPM asked for'
+        kind = 'timed' if timing is None else timing.kind
+        fell = kind == 'fell'
+        end = f'let go at {abs(swing.angle[0]):.3g} rad{_ENDS.get(kind, "")}'
+        figures.append((recorded_swing(swing, name), f'The angle as recorded, from the release on: {end}, {speed}.'))
+        if not fell:
+            figures.append(
+                (recorded_spectrum(run, swing, name), 'The slow line is Ω, its two companions stand at ω ± Ω.')
+            )
+    return figures
+
+
+def recorded_swing(swing: FreeSwing, name: str) -> Figure:
     """Draw Figure 4: the angle as it was recorded, from the release on."""
-    time, angle = recorded.free_swing()
-    figure = blank(f'Figure 4: time history of θ, {recorded.name}')
+    figure = blank(f'Figure 4: time history of θ, {name}')
     (axes,) = figure.axes
-    shown = time <= _SHOWN
-    axes.plot(time[shown], angle[shown], color=BLUE, linewidth=0.7)
+    shown = swing.time <= _SHOWN
+    axes.plot(swing.time[shown], swing.angle[shown], color=BLUE, linewidth=0.7)
     axes.set(xlabel='time since the release (s)', ylabel='θ (rad)')
     return figure
 
 
-def recorded_spectrum(recorded: RecordedRun) -> Figure:
-    """Draw Figure 5: the spectrum of the recorded swing."""
-    time, angle = recorded.free_swing()
-    rpm, amplitude = amplitudes(angle, 1.0 / float(np.median(np.diff(time))))
-    figure = blank(f'Figure 5: spectrum of θ, {recorded.name}')
+def recorded_spectrum(recorded: RecordedRun, swing: FreeSwing, name: str) -> Figure:
+    """Draw Figure 5: the spectrum of a recorded swing."""
+    rpm, amplitude = amplitudes(swing.angle, 1.0 / float(np.median(np.diff(swing.time))))
+    figure = blank(f'Figure 5: spectrum of θ, {name}')
     (axes,) = figure.axes
-    forcing = recorded.run.speed_asked / RPM
+    forcing = recorded.forcing_of(swing) / RPM
     shown = rpm <= 1.25 * forcing
     axes.semilogy(rpm[shown], amplitude[shown], color=BLUE, linewidth=0.7)
     write_powers(axes)
@@ -112,7 +127,7 @@ def recorded_spectrum(recorded: RecordedRun) -> Figure:
     axes.text(forcing, 0.02, ' ω', transform=axes.get_xaxis_transform(), fontsize=8, color=INK)
     height = float(amplitude.max())
     try:
-        slow = ESTIMATORS[DEFAULT_ESTIMATOR](recorded.living_swing(), 0.0).value / RPM
+        slow = ESTIMATORS[DEFAULT_ESTIMATOR](recorded.living_swing(swing), 0.0).value / RPM
     except AnalysisError:
         slow = None  # too short to tell
     if slow is not None:
