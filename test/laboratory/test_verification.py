@@ -7,9 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from kapitsa_ros.cli.commands.verify import verify
 from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import STOPWATCH_READING
@@ -117,11 +119,13 @@ def test_settings_of_another_version_are_refused_by_name(tmp_path: Path) -> None
         verify_run(altered(tmp_path / 'run', change))
 
 
-def test_a_digest_alone(kapitsa: Callable[..., Any]) -> None:
+def test_a_digest_alone() -> None:
     bag = SHIPPED / 'run_02_2640rpm'
-    told = kapitsa('verify', bag, '--digest', DIGESTS['run_02_2640rpm'].upper(), '--json').json
-    assert told['bags'][0]['identical']
-    assert told['bags'][0]['first_difference'] is None
-    other = kapitsa('verify', bag, '--digest', DIGESTS['run_01_2240rpm'])
-    assert other.status == 1
-    assert f'but the digest is {DIGESTS["run_02_2640rpm"]}' in other.out
+    same = CliRunner().invoke(verify, [str(bag), '--digest', DIGESTS['run_02_2640rpm'].upper(), '--json'])
+    [told] = json.loads(same.stdout)['bags']
+    assert same.exit_code == 0
+    assert told['identical']
+    assert told['first_difference'] is None
+    other = CliRunner().invoke(verify, [str(bag), '--digest', DIGESTS['run_01_2240rpm']])
+    assert other.exit_code == 1
+    assert f'but the digest is {DIGESTS["run_02_2640rpm"]}' in other.stdout
