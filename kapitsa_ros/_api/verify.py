@@ -11,7 +11,7 @@ from kapitsa_ros.recording.naming import run_folders
 from kapitsa_ros.recording.reader import runs_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from kapitsa_ros.laboratory.verification import Verification
     from kapitsa_ros.recording.reader import RunBag
@@ -30,7 +30,13 @@ class VerifiedRun:
         return self.verification.identical
 
 
-def verify(bags: str | Path | Sequence[str | Path], digest: str | None = None) -> tuple[VerifiedRun, ...]:
+def verify(
+    bags: str | Path | Sequence[str | Path],
+    digest: str | None = None,
+    *,
+    graph: bool = False,
+    on_progress: Callable[[dict[str, str]], None] | None = None,
+) -> tuple[VerifiedRun, ...]:
     """Compute recorded runs again from their commands, settings and seed, and compare them message by message.
 
     Parameters
@@ -39,6 +45,10 @@ def verify(bags: str | Path | Sequence[str | Path], digest: str | None = None) -
         Folders of the runs, or folders that hold runs.
     digest
         What the digest of a run has to be, in hexadecimal; its bag is then needed for commands and settings only.
+    graph
+        Let the nodes do the runs again, instead of the same parts in this process.
+    on_progress
+        Called with what the nodes report.
 
     Returns
     -------
@@ -58,4 +68,11 @@ def verify(bags: str | Path | Sequence[str | Path], digest: str | None = None) -
 
     """
     paths = run_folders(Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags))
-    return tuple(VerifiedRun(bag=bag, verification=verify_run(bag, digest)) for bag in runs_of(paths))
+    if not graph:
+        return tuple(VerifiedRun(bag=bag, verification=verify_run(bag, digest)) for bag in runs_of(paths))
+    from kapitsa_ros.rig.verification import verify_through_graph  # noqa: PLC0415  # rclpy takes its time
+
+    progress = on_progress or (lambda _: None)
+    return tuple(
+        VerifiedRun(bag=bag, verification=verify_through_graph(bag, digest, progress)) for bag in runs_of(paths)
+    )

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.topic import Topic
     from kapitsa_ros.operator.command import Command
 
+COMPUTED = (PIVOT, MOTION, STROBE_READING, STOPWATCH_READING)
+"""Topics whose messages follow from the commands."""
 _BESIDES = {
     'jigsaw': {'node', 'amplitude', 'versions'},
     'pendulum': {'node', 'plant'},
@@ -97,8 +99,7 @@ class RecomputedRun:
     def end(self, step_id: StepId) -> dict[Topic[Any], bytes]:
         """Return the messages that say that the run is over."""
         stamp = self._steps.start_ns(step_id)
-        topics = (PIVOT, MOTION, STROBE_READING, STOPWATCH_READING)
-        return {topic: padded(topic.codec.encode_silence(stamp, step_id)) for topic in topics}
+        return {topic: padded(topic.codec.encode_silence(stamp, step_id)) for topic in COMPUTED}
 
 
 def padded(raw: bytes) -> bytes:

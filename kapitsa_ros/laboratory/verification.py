@@ -9,15 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kapitsa_ros.laboratory.recomputed_run import RecomputedRun, padded
+from kapitsa_ros.laboratory.recomputed_run import COMPUTED, RecomputedRun, padded
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import COMMAND, REPLAYED
+from kapitsa_ros.operator.command import Command
 from kapitsa_ros.recording.digest import message_digest
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.writer import FORMAT
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.network.topic import Topic
     from kapitsa_ros.recording.reader import RunBag
 
@@ -72,17 +76,37 @@ def verify_run(bag: RunBag, digest: str | None = None) -> Verification:
         It cannot be read, a step is missing, or its settings are not those of this version.
 
     """
-    bag.refuse_gaps()
     again = RecomputedRun(bag.run)
+    return compare_run(
+        bag, lambda step_id, command: again.end(step_id) if step_id.end else again.step(step_id, command), digest
+    )
+
+
+def compare_run(
+    bag: RunBag, computed_again: Callable[[StepId, Command], Mapping[Topic[Any], bytes]], digest: str | None = None
+) -> Verification:
+    """Compare a run with what its commands come to once more; see `verify_run`.
+
+    Parameters
+    ----------
+    bag
+        The run.
+    computed_again
+        Returns the messages of a step to which its number and command lead.
+    digest
+        What the digest of the run has to be; None: the recorded messages say.
+
+    """
+    bag.refuse_gaps()
     found, whole = Verification(), sha256()
     try:
         for step_id, step in groupby(bag.raw(*_NAMES), key=lambda message: read_step_id(message[2])):
             recorded = {topic: raw for topic, _, raw in step}
-            if step_id.end:
-                computed = again.end(step_id)
-            else:
-                computed = again.step(step_id, COMMAND.decode(recorded[COMMAND.name]))
-                computed = {COMMAND: recorded[COMMAND.name], **computed}
+            command = Command(0.0, None, end=True) if step_id.end else COMMAND.decode(recorded[COMMAND.name])
+            computed = dict(computed_again(step_id, command))
+            if not step_id.end:
+                computed.setdefault(COMMAND, recorded[COMMAND.name])
+            _note_missing(found, step_id, [topic for topic in COMPUTED if topic not in computed])
             for topic in REPLAYED:
                 if topic in computed:
                     whole.update(message_digest(computed[topic]))
@@ -93,6 +117,18 @@ def verify_run(bag: RunBag, digest: str | None = None) -> Verification:
     found.digest = whole.hexdigest()
     found.as_asked = digest is None or found.digest == digest.lower()
     return found
+
+
+def _note_missing(found: Verification, step_id: StepId, topics: list[Topic[Any]]) -> None:
+    if topics and found.first_difference is None:
+        found.first_difference = Difference(
+            topic=topics[0].name,
+            run=step_id.run,
+            step=step_id.step,
+            field='message',
+            recorded='there',
+            recomputed=None,
+        )
 
 
 def _compare(found: Verification, topic: Topic[Any], recorded: bytes, computed: bytes, *, to_the_byte: bool) -> None:

@@ -169,6 +169,11 @@ class RunBag:
         finally:
             self._recording.close()
 
+    def messages_by_step(self, *names: str) -> Iterator[tuple[StepId, str, bytes]]:
+        """Yield step, topic and bytes of the messages on the named topics, in the order of the steps; see `raw`."""
+        for topic, _, raw in self.raw(*names):
+            yield read_step_id(raw), topic, raw
+
     @cached_property
     def settings_texts(self) -> dict[str, str]:
         """JSON text by role: of the same role several times, that which was latched when the run began."""

@@ -58,7 +58,7 @@ def run_experiment(
     """
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
-    monitor = _watch(setup.roles, parameters(setup), on_progress)
+    monitor = watch(setup.roles, parameters(setup), on_progress)
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': float(monitor.progress['realtime_factor'])}
@@ -126,10 +126,10 @@ def replay_bags(
 
     told = replay_parameters(paths, replay)
     refuse_unspeakable(told)
-    return values(_watch(REPLAY_NAMES, told, on_progress, tell, attended))
+    return values(watch(REPLAY_NAMES, told, on_progress, tell, attended))
 
 
-def _watch(
+def watch(
     roles: Sequence[str],
     values: dict[str, Any],
     on_progress: Progress,

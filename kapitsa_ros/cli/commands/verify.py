@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import nullcontext
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +22,16 @@ if TYPE_CHECKING:
 @click.command()
 @bags_argument
 @click.option('--digest', metavar='HEX', help='what the digest of the run has to be')
+@click.option('--graph', is_flag=True, help='let the nodes do the runs again; in this process otherwise')
 @json_option
-def verify(*, bags: tuple[Path, ...], digest: str | None, as_json: bool) -> None:
+def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: bool) -> None:
     """Compute recorded runs again from commands, settings and seed, and compare every message to the last bit."""
     from kapitsa_ros._api.verify import verify as call  # noqa: PLC0415
+    from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.ros.parameters import versions  # noqa: PLC0415
 
-    runs = call(bags, digest)
+    with shown_progress(len(bags)) if graph else nullcontext() as on_progress:
+        runs = call(bags, digest, graph=graph, on_progress=on_progress)
     values = [_values(run, versions()) for run in runs]
     for run in runs:
         for defect in run.bag.defects:
