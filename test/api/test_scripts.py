@@ -15,7 +15,7 @@ import kapitsa_ros as kr
 CHECKOUT = Path(__file__).parents[2]
 SCRIPTS = CHECKOUT / 'examples' / 'front_door'
 BAGS = sorted((CHECKOUT / 'bags').glob('run_*'))
-ARGUMENTS = {'read_bag': BAGS[:1], 'report': BAGS}
+ARGUMENTS = {'read_bag': BAGS[:1], 'report': BAGS, 'verify': BAGS}
 SAID = {
     'theory': 'critical speed  141.875 rad/s (1354.8 RPM)',
     'simulate': 'speed     261.799 rad/s (2500 RPM)',
@@ -29,6 +29,7 @@ SAID = {
     'experiment': 'ExperimentResult: 3 run(s)',
     'report': 'Report on 3 run(s): report.html',
     'rig': 'StopwatchReading',
+    'verify': 'run_01_2240rpm: identical\n',
 }
 GRAPHS = ('experiment', 'rig')
 

@@ -1,0 +1,8 @@
+"""Are recorded runs what their settings and seed give here, to the last bit?"""
+
+import sys
+
+import kapitsa_ros as kr
+
+for run in kr.verify(sys.argv[1:]):
+    print(f'{run.bag.name}: {"identical" if run.identical else run.verification.first_difference}')
