@@ -1,4 +1,4 @@
-"""Are recorded runs what their settings and seed give here, to the last bit?"""
+"""Recorded runs computed again: the same to the last bit, or what differs first."""
 
 import sys
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kapitsa_ros.data_frame import data_frame
+from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import SECOND
 
 if TYPE_CHECKING:
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from kapitsa_ros.physics.sampled_motion import SampledMotion
+
+_WIDEST, _FASTEST = 1e4, 1e6
+"""rad, rad/s: beyond lies damage, which fits would choke on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +48,11 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     blocks
         Step, stamp (ns) and motion of each, in the order of the steps.
 
+    Raises
+    ------
+    WireError
+        No pendulum moves so.
+
     """
     stamps: list[Any] = []
     angles, rates = [], []
@@ -58,6 +67,9 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     if not stamps:
         empty = np.array([])
         return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
+    angle, rate = np.concatenate(angles), np.concatenate(rates)
+    if np.abs(angle).max() > _WIDEST or np.abs(rate).max() > _FASTEST:
+        raise WireError(f'a motion that reaches {np.abs(angle).max():g} rad and {np.abs(rate).max():g} rad/s is none')
     joined = np.concatenate(stamps)
     periods = np.diff(joined)
     # A block begins at the stamp at which the last one ended.
@@ -65,6 +77,4 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     period = np.median(periods[periods > 0])
     gaps = periods[periods > period]
     lost = float((gaps - period).sum()) / SECOND
-    return Motion(
-        joined[fresh], np.concatenate(angles)[fresh], np.concatenate(rates)[fresh], gaps.size + count, lost + late
-    )
+    return Motion(joined[fresh], angle[fresh], rate[fresh], gaps.size + count, lost + late)

@@ -9,9 +9,10 @@ import pytest
 import zstandard
 from bag_of_a_made_up_run import SETTINGS, write
 from mutations import REFUSED, SAID, SAME, meaning, mutants, outcome
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from kapitsa_ros.laboratory.bag_analysis import analyse_motions
 from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
@@ -129,6 +130,26 @@ def test_hostile_files_are_refused_in_a_line(tmp_path: Path, content: bytes) -> 
         with pytest.raises(BagError) as error:
             RunBag(path)
         assert '\n' not in str(error.value)
+
+
+def test_damaged_motion_does_not_reach_the_fit(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Numbers that are finite and absurd, in a bag without digests: numeric libraries would print of their own."""
+    shipped = Path(__file__).parents[2] / 'bags' / 'run_02_2640rpm'
+    with (
+        Reader(shipped) as reader,
+        Writer(tmp_path / 'run', version=9, storage_plugin=StoragePlugin.MCAP) as writer,
+    ):
+        links = {}
+        for link, stamp, raw in reader.messages():
+            if link.topic not in links:
+                links[link.topic] = writer.add_connection(link.topic, link.msgtype, typestore=STORE)
+            bent = bytearray(raw)
+            if link.topic == '/pendulum/motion' and len(raw) > 5000:
+                bent[-45] = 0x7F  # the exponent of the last angle
+            writer.write(links[link.topic], stamp, bytes(bent))
+    with pytest.raises(BagError, match='is none'):
+        analyse_motions([tmp_path / 'run'])
+    assert capfd.readouterr() == ('', '')
 
 
 def bag_of(path: Path, *messages: tuple[str, str, bytes]) -> Path:

@@ -74,10 +74,13 @@ def _unpack_zstd(data: bytes, most: int) -> bytes:
         announced = zstandard.frame_content_size(data)  # -1: it does not say
         if announced > most:
             raise DecompressionError(f'it says that it unpacks to {announced} bytes, more than {most}')
-        if announced < 0 and most == LARGEST:
-            unpacked = zstandard.ZstdDecompressor().decompressobj().decompress(data)
+        if announced < 0:
+            with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+                unpacked = stream.read(most + 1)
         else:
             unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=most)
     except (zstandard.ZstdError, MemoryError) as error:
         raise DecompressionError(f'it cannot be unpacked ({error})') from error
-    return unpacked
+    if len(unpacked) > most:
+        raise DecompressionError(f'it unpacks to more than {most} bytes')
+    return bytes(unpacked)
