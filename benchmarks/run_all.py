@@ -16,6 +16,7 @@ SCRIPTS = (
     'stability_map',
     'theory_curve',
     'trajectories',
+    'reading_bags',
     'first_result',
 )
 

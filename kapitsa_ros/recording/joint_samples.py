@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,11 +16,15 @@ from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.typestore import deserialise
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.storage.bag_files import BagFiles
+from kapitsa_ros.recording.storage.stored_message import StoredTable
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import NDArray
+
+    _Columns = tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, NDArray[Any]]
+    """Stamps (ns), positions, rates, and the numbers of the messages that they are from."""
 
 _TYPE = 'sensor_msgs/msg/JointState'
 _OURS = (COMMAND.name, STROBE_READING.name)
@@ -53,12 +58,14 @@ def read_joint(path: Path, joint: str) -> JointSamples:
 
     """
     files = BagFiles(path)
-    by_topic: dict[str, list[tuple[int, bytes]]] = {}
+    by_topic: dict[str, list[tuple[NDArray[Any], Any]]] = {}
+    """Stamps and messages in pieces: a table, or one message."""
     try:
         for file in files.files:
-            for message in file.scan():
-                if message.type == _TYPE and message.topic not in _OURS:
-                    by_topic.setdefault(message.topic, []).append((message.stamp_ns, message.data))
+            for piece in file.scan_tables():
+                if piece.type == _TYPE and piece.topic not in _OURS:
+                    stamps = piece.stamps_ns if isinstance(piece, StoredTable) else np.array([piece.stamp_ns])
+                    by_topic.setdefault(piece.topic, []).append((stamps, piece.data))
     finally:
         files.close()
     found = {topic: each for topic, each in by_topic.items() if joint in _names(each)}
@@ -66,51 +73,62 @@ def read_joint(path: Path, joint: str) -> JointSamples:
         there = sorted({name for each in by_topic.values() for name in _names(each)})
         what = f'has {joint} on {", ".join(found)}' if found else f'has no joint {joint}: {", ".join(there) or "none"}'
         raise BagError(f'{path} {what}')
-    [(topic, messages)] = found.items()
-    stamps, position, rate, left_out = _columns([raw for _, raw in messages], joint)
+    [(topic, pieces)] = found.items()
+    recorded, table = np.concatenate([stamps for stamps, _ in pieces]), _one_table([data for _, data in pieces])
+    columns = None if table is None else _from_table(table, joint)
+    stamps, position, rate, kept = columns or _one_by_one([row for _, data in pieces for row in _rows(data)], joint)
     defects = [*files.defects, *(defect for file in files.files for defect in file.defects)]
     defects += [file.cut_off for file in files.files if file.cut_off is not None]
-    if left_out:
+    if left_out := recorded.size - stamps.size:
         defects.append(f'{left_out} messages on {topic} are damaged or without {joint}, and left out')
     if not stamps.size or not np.ptp(stamps):
         defects.append(f'the headers on {topic} carry no time: that of recording is taken')
-        stamps = np.array([stamp for stamp, raw in messages if joint in _names([(0, raw)])], np.int64)
+        stamps = recorded[kept]
     return JointSamples(stamps_ns=stamps, position=position, rate=rate, defects=tuple(defects))
 
 
-def _names(messages: list[tuple[int, bytes]]) -> list[str]:
+def _rows(data: Any) -> list[bytes]:
+    return [data] if isinstance(data, bytes) else [row.tobytes() for row in data]
+
+
+def _one_table(pieces: list[Any]) -> NDArray[np.uint8] | None:
+    """Return all messages as a table; None where they are not of one size."""
+    sizes = {len(piece) if isinstance(piece, bytes) else piece.shape[1] for piece in pieces}
+    if len(sizes) != 1:
+        return None
+    tables: list[NDArray[np.uint8]] = []
+    for single, group in groupby(pieces, key=lambda piece: isinstance(piece, bytes)):
+        alike = list(group)
+        tables += [np.frombuffer(b''.join(alike), np.uint8).reshape(-1, *sizes)] if single else alike
+    return tables[0] if len(tables) == 1 else np.concatenate(tables)
+
+
+def _names(pieces: list[tuple[NDArray[Any], Any]]) -> list[str]:
     """Return the joints of the first message that is one."""
-    for _, raw in messages:
+    for _, data in pieces:
         try:
-            return list(deserialise(_TYPE, raw).name)
+            return list(deserialise(_TYPE, data if isinstance(data, bytes) else data[0].tobytes()).name)
         except WireError:
             continue
     return []
 
 
-def _columns(raws: list[bytes], joint: str) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, int]:
-    """Return stamps (ns), positions, rates, and how many messages were left out."""
-    return _as_one_table(raws, joint) or _one_by_one(raws, joint)
-
-
-def _as_one_table(raws: list[bytes], joint: str) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, int] | None:
+def _from_table(table: NDArray[np.uint8], joint: str) -> _Columns | None:
     """Read messages that all have the layout of the first, as they do of one writer; None where one has another."""
-    size = len(raws[0])
-    if any(len(raw) != size for raw in raws):
-        return None
+    first = table[0].tobytes()
     try:
-        names, at_position, at_rate, counts = _layout(raws[0])
+        names, at_position, at_rate, counts = _layout(first)
         column = names.index(joint)
     except (struct.error, UnicodeDecodeError, ValueError):
         return None
-    table = np.frombuffer(b''.join(raws), np.uint8).reshape(-1, size)
     # All but the stamp and the values has to be the same: names and how many values there are.
     fixed = [slice(0, _STAMP.start), slice(_STAMP.stop, at_position), *(slice(at, at + 4) for at in counts)]
-    if raws[0][:2] != _LITTLE_ENDIAN or any((table[:, part] != table[0, part]).any() for part in fixed):
+    if first[:2] != _LITTLE_ENDIAN or any((table[:, part] != table[0, part]).any() for part in fixed):
         return None
     seconds, nanoseconds = table[:, 4:8].copy().view('<i4')[:, 0], table[:, 8:12].copy().view('<u4')[:, 0]
     stamps = seconds.astype(np.int64) * SECOND + nanoseconds
-    return stamps, _doubles(table, at_position, column), _doubles(table, at_rate, column) if at_rate else None, 0
+    rate = _doubles(table, at_rate, column) if at_rate else None
+    return stamps, _doubles(table, at_position, column), rate, np.arange(len(table))
 
 
 def _doubles(table: NDArray[np.uint8], at: int, column: int) -> NDArray[np.float64]:
@@ -149,17 +167,21 @@ def _layout(raw: bytes) -> tuple[list[str], int, int | None, list[int]]:
     return names, places[0], places[1], counts
 
 
-def _one_by_one(raws: list[bytes], joint: str) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any] | None, int]:
+def _one_by_one(raws: list[bytes], joint: str) -> _Columns:
     rows = []
-    for raw in raws:
+    for number, raw in enumerate(raws):
         try:
             message = deserialise(_TYPE, raw)
             column = message.name.index(joint)
             rate = float(message.velocity[column]) if len(message.velocity) > column else None
-            rows.append((stamp_of(raw), float(message.position[column]), rate))
+            rows.append((stamp_of(raw), float(message.position[column]), rate, number))
         except (WireError, ValueError, IndexError):
             continue
-    stamps = np.array([row[0] for row in rows], np.int64)
     rates = [row[2] for row in rows]
     all_rates = None if None in rates else np.array(rates, np.float64)
-    return stamps, np.array([row[1] for row in rows], np.float64), all_rates, len(raws) - len(rows)
+    return (
+        np.array([row[0] for row in rows], np.int64),
+        np.array([row[1] for row in rows], np.float64),
+        all_rates,
+        np.array([row[3] for row in rows], np.int64),
+    )

@@ -10,6 +10,7 @@ from collections import OrderedDict
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -18,11 +19,12 @@ from mcap.records import Channel, Chunk, ChunkIndex, Footer, Metadata, Schema
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.storage.decompression import (
     LARGEST,
+    ZSTD_MAGIC,
     DecompressionError,
     unpack_chunk,
     unpack_message,
 )
-from kapitsa_ros.recording.storage.stored_message import StoredMessage
+from kapitsa_ros.recording.storage.stored_message import StoredMessage, StoredTable
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -32,6 +34,7 @@ if TYPE_CHECKING:
 MAGIC = b'\x89MCAP0\r\n'
 _HEAD = struct.Struct('<BQ')
 _MESSAGE = struct.Struct('<HIQQ')
+_CHANNEL = struct.Struct('<H')
 _FOOTER_SIZE = _HEAD.size + 20
 _KEPT, _OVERHEAD = 2**26, 200
 """Bytes of unpacked chunks that are kept, and what each costs besides."""
@@ -78,6 +81,20 @@ class McapFile:
 
     def scan(self) -> Iterator[StoredMessage]:
         """Yield all messages that can be read, in the order of recording."""
+        for op, at, body in self._records():
+            yield from self._messages(op, at, body)
+
+    def scan_tables(self) -> Iterator[StoredMessage | StoredTable]:
+        """Yield the same, a chunk as a table where all its messages are of one topic and size."""
+        for op, at, body in self._records():
+            table = self._as_table(body) if op == Opcode.CHUNK else None
+            if table is None:
+                yield from self._messages(op, at, body)
+            else:
+                yield table
+
+    def _records(self) -> Iterator[tuple[int, int, bytes]]:
+        """Yield opcode, place and content of the records that can be read."""
         if self._bytes(0, len(MAGIC)) != MAGIC:
             raise BagError(f'{self.path} is no MCAP file')
         starts = self._summary()
@@ -99,7 +116,7 @@ class McapFile:
                 continue
             if op in (Opcode.DATA_END, Opcode.FOOTER):
                 return
-            yield from self._messages(op, at, body)
+            yield op, at, body
             at += _HEAD.size + len(body)
 
     def read(self, block: int, at: int) -> bytes:
@@ -125,6 +142,30 @@ class McapFile:
                 self._take(op, body)
         except (_DamageError, DecompressionError) as error:
             self.defects.append(f'{self.path.name}: the record at byte {at} is damaged and left out: {error}')
+
+    def _as_table(self, body: bytes) -> StoredTable | None:
+        """Return a chunk's messages, if they are all of one topic and size; damage is for others to find."""
+        try:
+            content = self._unpacked(body)
+            at = 0
+            while content[at : at + 1] not in (bytes([Opcode.MESSAGE]), b''):
+                op, size = _HEAD.unpack_from(content, at)
+                self._take(op, content[at + _HEAD.size : at + _HEAD.size + size])
+                at += _HEAD.size + size
+            _, size = _HEAD.unpack_from(content, at)
+            (channel,) = _CHANNEL.unpack_from(content, at + _HEAD.size)
+        except (_DamageError, DecompressionError, struct.error):
+            return None
+        stride, same = _HEAD.size + size, _HEAD.size + _CHANNEL.size
+        if size < _MESSAGE.size or (len(content) - at) % stride or channel not in self._channels:
+            return None
+        rows = np.frombuffer(content, np.uint8, offset=at).reshape(-1, stride)
+        data = rows[:, _HEAD.size + _MESSAGE.size :]
+        packed = content[at + _HEAD.size + _MESSAGE.size :].startswith(ZSTD_MAGIC)
+        if packed or (rows[:, :same] != rows[0, :same]).any():
+            return None
+        stamps = rows[:, same + 4 : same + 12].copy().view('<i8')[:, 0]
+        return StoredTable(*self._channels[channel], stamps, data)
 
     def _in_chunk(self, block: int, content: bytes) -> Iterator[StoredMessage]:
         at = 0

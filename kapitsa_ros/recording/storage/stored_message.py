@@ -8,6 +8,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
+    import numpy as np
+    from numpy.typing import NDArray
+
 
 class StoredMessage(NamedTuple):
     """A message of a storage file."""
@@ -22,6 +25,17 @@ class StoredMessage(NamedTuple):
     at: int
     """Its place: `StorageFile.read` finds it there again."""
     data: bytes
+
+
+class StoredTable(NamedTuple):
+    """Messages of one topic and one size that lie side by side."""
+
+    topic: str
+    type: str
+    stamps_ns: NDArray[np.int64]
+    """Shape (N,)."""
+    data: NDArray[np.uint8]
+    """Shape (N, bytes of a message)."""
 
 
 class StorageFile(Protocol):
@@ -48,6 +62,9 @@ class StorageFile(Protocol):
             It is not such a file at all.
 
         """
+
+    def scan_tables(self) -> Iterator[StoredMessage | StoredTable]:
+        """Yield the same, as tables where messages lie so."""
 
     def read(self, block: int, at: int) -> bytes:
         """Return the data of a message at its place."""
