@@ -122,8 +122,8 @@ class RunBag:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the bag was closed, and nothing of it is damaged."""
-        return self.finished and not self.damages
+        """Whether the bag was closed, has its metadata, and nothing of it is damaged."""
+        return self.finished and self._recording.has_metadata and not self.damages
 
     @property
     def storage(self) -> str:

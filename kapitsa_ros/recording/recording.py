@@ -96,9 +96,14 @@ class Recording:
         return frozenset(self.topics) - {*_TYPES, DIGEST_TOPIC}
 
     @property
+    def has_metadata(self) -> bool:
+        """Whether there is a `metadata.yaml` that can be used."""
+        return self._files.promise is not None
+
+    @property
     def finished(self) -> bool:
         """Whether the recorder has closed the bag."""
-        return self._files.promise is not None or all(file.finished for file in self._files.files)
+        return self.has_metadata or all(file.finished for file in self._files.files)
 
     def close(self) -> None:
         """Leave the files; whoever reads again opens them again."""

@@ -145,6 +145,15 @@ def test_what_one_bag_cannot_take_over_stays_where_it_is(tmp_path: Path) -> None
     assert RunBag(made.bag).steps == RunBag(path).steps
 
 
+def test_metadata_that_was_lost_is_made_again(tmp_path: Path) -> None:
+    path = write(tmp_path / 'run')
+    before = (path / 'metadata.yaml').read_bytes()
+    (path / 'metadata.yaml').unlink()
+    [made] = recover(path)
+    assert (made.steps, made.reason, made.defects) == (12, 'it came to its end', ())
+    assert (path / 'metadata.yaml').read_bytes() == before
+
+
 @pytest.mark.parametrize('storage', STORAGES)
 def test_folders_of_runs_hold_unfinished_ones_too(tmp_path: Path, storage: str) -> None:
     runs = (write(tmp_path / 'run_01'), killed(tmp_path / 'run_02', storage))
