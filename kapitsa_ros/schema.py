@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
 _KEY = 'quantity'
+_ASCII = {'λ': 'lambda', 'κ': 'kappa', 'ρ': 'rho', 'μ': ' mu', 'φ': ' phi', '²': '^2', '·': ' '}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +151,12 @@ def quantity(  # read as a line of a table
 def describe(kind: type) -> tuple[Quantity, ...]:
     """Return the quantities of a parameter set, in the order of its fields."""
     return _described(kind)
+
+
+def description_of(item: Quantity) -> str:
+    """Return symbol, meaning and unit of a quantity in ASCII, as `ros2 param describe` shows them."""
+    text = f'{f"{item.symbol}: " if item.symbol else ""}{item.description}{f", {item.unit}" if item.unit else ""}'
+    return ''.join(_ASCII.get(letter, letter) for letter in text)
 
 
 @cache

@@ -8,7 +8,7 @@ from launch_ros.actions import Node
 
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, node_options, replay_from
 from kapitsa_ros.rig.setup import REPLAY_NAMES
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -21,6 +21,8 @@ ARGUMENTS = {
     'loop': ('false', 'begin again at the end', ['true', 'false']),
     'start_paused': ('false', 'wait for the service player/resume', ['true', 'false']),
     'viewer': ('none', 'what shows the runs, if its package is installed', list(VIEWERS)),
+    'namespace': NODE_ARGUMENTS['namespace'],
+    'log_level': NODE_ARGUMENTS['log_level'],
 }
 
 
@@ -29,14 +31,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     values = replay_from(arguments)
     started: list[LaunchDescriptionEntity] = [
-        Node(
-            package='kapitsa_ros',
-            executable=role,
-            name=role,
-            parameters=[values],
-            output='screen',
-            on_exit=end_with_failed,
-        )
+        Node(package='kapitsa_ros', executable=role, name=role, **node_options(arguments, context, values))
         for role in REPLAY_NAMES
     ]
     if arguments['viewer'] != 'none':

@@ -7,7 +7,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import end_with_failed, rig_from
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, PLANT_ARGUMENTS, node_options, rig_from
 from kapitsa_ros.rig.setup import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -22,14 +22,18 @@ ARGUMENTS = {
     'seed': ('1', 'of all chance', None),
     'bags': ('runs', 'folder in which each run gets a bag', None),
     'viewer': ('none', 'what shows the rig, if its package is installed', list(VIEWERS)),
+    'params_file': ('', 'parameters of nodes that go before all others', None),
+    'namespace': NODE_ARGUMENTS['namespace'],
+    'log_level': NODE_ARGUMENTS['log_level'],
 }
+OF_PLANT = {name: ('', f'{meaning}; of the preset where not given', None) for name, meaning in PLANT_ARGUMENTS.items()}
 
 
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and the roles of the roster with what the arguments say."""
-    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS | OF_PLANT}
     setup = rig_from(arguments)
-    values = parameters(setup)
+    options = node_options(arguments, context, parameters(setup))
     # First, so that nothing has started when its package is missing.
     viewer = IncludeLaunchDescription(
         str(Path(__file__).with_name('viewer.launch.py')),
@@ -41,17 +45,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     )
     return [
         viewer,
-        *(
-            Node(
-                package='kapitsa_ros',
-                executable=role,
-                name=role,
-                parameters=[values],
-                output='screen',
-                on_exit=end_with_failed,
-            )
-            for role in setup.roles
-        ),
+        *(Node(package='kapitsa_ros', executable=role, name=role, **options) for role in setup.roles),
     ]
 
 
@@ -59,7 +53,7 @@ def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the nodes."""
     declared = [
         DeclareLaunchArgument(name, default_value=default, description=text, choices=choices)
-        for name, (default, text, choices) in ARGUMENTS.items()
+        for name, (default, text, choices) in (ARGUMENTS | OF_PLANT).items()
     ]
     environment = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
     return LaunchDescription([*declared, *environment, OpaqueFunction(function=nodes)])

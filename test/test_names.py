@@ -85,3 +85,9 @@ def test_headings_have_standard_terms(path: Path) -> None:
     for line in path.read_text(encoding='utf-8').splitlines():
         if line.startswith('#'):
             assert not OLD_TERMS.search(line), line
+
+
+def test_no_two_files_of_tests_share_a_name() -> None:
+    """Beside launch_testing, which wants pytest 7, the second of such a pair is not collected."""
+    names = [path.name for path in PYTHON if path.name.startswith('test_')]
+    assert sorted(names) == sorted(set(names))

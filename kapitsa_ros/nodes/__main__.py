@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 from importlib import import_module
 from typing import NoReturn
 
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import FAILED, KapitsaError
 
 try:
     from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
@@ -27,6 +28,9 @@ def main(arguments: list[str] | None = None) -> int:
         The exit status of the node.
 
     """
+    if threading.current_thread() is not threading.main_thread():
+        print('kapitsa: error: a node takes the signals of its process: call main in the main thread', file=sys.stderr)
+        return FAILED
     with restoring_signals():
         return run_node(sys.argv[1:] if arguments is None else arguments)
 

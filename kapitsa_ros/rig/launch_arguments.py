@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,14 +14,25 @@ from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.errors import OPTION, KapitsaError
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.recording.storage.bag_files import is_bag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
 from kapitsa_ros.rig.setup import Replay, Setup, replay_parameters
+from kapitsa_ros.ros.arguments import PARENT_OPTION
+from kapitsa_ros.schema import describe, description_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+PLANT_ARGUMENTS = {item.name: description_of(item) for item in describe(Plant)}
+"""Launch arguments that stand for a parameter of the plant, and what they mean."""
+NODE_ARGUMENTS: dict[str, tuple[str, str, list[str] | None]] = {
+    'namespace': ('', 'of the nodes', None),
+    'log_level': ('', 'of the nodes', ['', 'debug', 'info', 'warn', 'error', 'fatal']),
+}
+"""Launch arguments of all nodes: default, meaning, choices."""
 
 
 def rig_from(arguments: Mapping[str, str]) -> Setup:
@@ -33,8 +45,9 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
 
     """
     with _errors_in_launch_form():
+        of_plant = {name: arguments[name] for name in PLANT_ARGUMENTS if arguments.get(name)}
         setup = Setup(
-            plant=load_preset(arguments['preset'], parse_assignments(arguments['plant'].split())),
+            plant=load_preset(arguments['preset'], parse_assignments(arguments['plant'].split()) | of_plant),
             instruments=load_instruments(arguments['instruments'], parse_assignments(arguments['instrument'].split())),
             protocol=arguments['protocol'],
             rate=_read('rate', arguments),
@@ -43,6 +56,40 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
         )
         prepare(setup)
     return setup
+
+
+def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a `launch_ros.actions.Node` is given besides its executable.
+
+    Parameters
+    ----------
+    arguments
+        Of the launch: `namespace`, `log_level`, and `params_file` where it has one.
+    context
+        Of the launch.
+    values
+        Parameters of the node; those of the file go before them.
+
+    Raises
+    ------
+    UsageError
+        There is no such file.
+
+    """
+    file = Path(arguments.get('params_file', '')).expanduser()
+    if arguments.get('params_file') and not file.is_file():
+        raise UsageError(f'params_file:={file}: there is no such file')
+    level = arguments['log_level']
+    # A node leaves when its launcher is gone, even killed. A prefix, such as a debugger, is a parent in between.
+    prefixed = context.launch_configurations.get('launch-prefix')
+    return {
+        'namespace': arguments['namespace'] or None,
+        'parameters': [dict(values), *([str(file)] if arguments.get('params_file') else [])],
+        'arguments': [] if prefixed else [PARENT_OPTION, str(os.getpid())],
+        'ros_arguments': ['--log-level', level] if level else [],
+        'output': 'screen',
+        'on_exit': end_with_failed,
+    }
 
 
 def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:

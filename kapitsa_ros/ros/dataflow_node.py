@@ -7,6 +7,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
@@ -80,6 +81,7 @@ class DataflowNode(Node):
         self._held_up = 0
         self._health = Throttle(HEALTH_PERIOD)
         self.diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self._rosout = self.create_publisher(Log, '/rosout', LATCHED)
         self.reads = tuple(topic for topic in role.reads if writers_of(topic) & self.expected)
         if role.reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
@@ -171,10 +173,13 @@ class DataflowNode(Node):
                 return
 
     def fail(self, error: Exception) -> None:
-        """Tell whoever watches `diagnostics` why this node ends."""
+        """Tell whoever watches `diagnostics` or /rosout why this node ends; stderr has its own line."""
+        now, why = self.get_clock().now(), shorten(str(error))
         with suppress(RCLError):  # nobody can be told once a signal has shut the context
-            self.diagnostics.publish(failure_message(self.get_name(), self.get_clock().now().nanoseconds, str(error)))
-            self.diagnostics.wait_for_all_acked(PARTING)
+            self.diagnostics.publish(failure_message(self.get_name(), now.nanoseconds, why))
+            self._rosout.publish(Log(stamp=now.to_msg(), level=Log.FATAL, name=self.get_logger().name, msg=why))
+            for publisher in (self.diagnostics, self._rosout):
+                publisher.wait_for_all_acked(PARTING)
 
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""

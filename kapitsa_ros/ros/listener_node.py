@@ -44,7 +44,7 @@ class ListenerNode:
     def __init__(self, name: str, domain: int) -> None:
         refuse_unreachable()
         self._domain = domain
-        self._failure: Exception | None = None
+        self._failure: BaseException | None = None
         self._context = Context()
         try:
             # The arguments of the program are its own, and so is a home that takes log files.
@@ -92,7 +92,7 @@ class ListenerNode:
         try:
             while self._context.ok():
                 self._executor.spin_once(timeout_sec=0.2)
-        except Exception as error:  # noqa: BLE001  # it is raised where somebody waits
-            if self._context.ok() or not is_of_rclpy(error):
+        except BaseException as error:  # noqa: BLE001  # it is raised where somebody waits; SystemExit, too
+            if self._context.ok() or not (isinstance(error, Exception) and is_of_rclpy(error)):
                 self._failure = error
                 self.wake()

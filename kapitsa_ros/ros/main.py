@@ -18,6 +18,7 @@ from kapitsa_ros.errors import FAILED, KapitsaError, shorten
 from kapitsa_ros.ros.arguments import beside_ros, split_parent
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
+from kapitsa_ros.ros.parameters import unknown_parameters
 from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, no_node_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
@@ -115,6 +116,8 @@ def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
             raise
         raise SettingError(no_node_text(error)) from error
     # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
+    for line in unknown_parameters(node):
+        node.get_logger().warning(line)
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
     # Not before: a signal would shut the context between a line on stderr and the same line on rosout.
     let_signals_through()

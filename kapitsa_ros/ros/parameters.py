@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import platform
 from dataclasses import asdict
+from difflib import get_close_matches
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -16,18 +17,29 @@ from rclpy.exceptions import (
 )
 from rclpy.parameter import Parameter
 
+from kapitsa_ros.configuration.rig_parameters import RigParameters
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.operator.protocol import Protocol
+from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.schema import ParameterSet, describe
+from kapitsa_ros.schema import ParameterSet, describe, description_of
 
 if TYPE_CHECKING:
     from rclpy.node import Node
 
-    from kapitsa_ros.schema import Quantity
 
 _LEAST = 1e-6
 """Stands for "above 0" in a range of ROS, which contains its ends."""
-_ASCII = {'λ': 'lambda', 'κ': 'kappa', 'ρ': 'rho', 'μ': ' mu', 'φ': ' phi', '²': '^2', '·': ' '}
+_OF_ROLES = {
+    'expect', 'protocol', 'release', 'steps', 'bags', 'storage', 'steps_a_chunk', 'start_type_description_service',
+    *(item.name for kind in (Plant, JigsawParameters, StepParameters, RigParameters) for item in describe(kind)),
+    *(item.name for kind in (StrobeSettings, StopwatchSettings, Protocol) for item in describe(kind)),
+}  # fmt: skip
+"""Parameters of any role: nodes of a rig are given all of them, and each takes its own."""
 _Set = TypeVar('_Set', bound=ParameterSet)
 
 
@@ -101,10 +113,15 @@ def declare_quantity(node: Node, kind: type[ParameterSet], name: str, *, read_on
     return declare(node, name, item.default, description_of(item), low, item.high, read_only=read_only)
 
 
-def description_of(item: Quantity) -> str:
-    """Return symbol, meaning and unit of a quantity in ASCII, as `ros2 param describe` shows them."""
-    text = f'{f"{item.symbol}: " if item.symbol else ""}{item.description}{f", {item.unit}" if item.unit else ""}'
-    return ''.join(_ASCII.get(letter, letter) for letter in text)
+def unknown_parameters(node: Node) -> list[str]:
+    """Return in words which parameters a node was given that no role has; those of other roles are in a rig's files."""
+    declared = set(node.get_parameters_by_prefix('')) | {'use_sim_time'}
+    names = sorted(declared | _OF_ROLES)
+    unknown = sorted(set(node._parameter_overrides) - set(names))  # noqa: SLF001  # no public way
+    likely = {name: get_close_matches(name, names, n=1) for name in unknown if not name.startswith('qos_overrides.')}
+    return [
+        f'parameter {name} is unknown{f": {close[0]} may be meant" if close else ""}' for name, close in likely.items()
+    ]
 
 
 def versions() -> dict[str, str]:

@@ -5,14 +5,16 @@ import os
 import re
 import shutil
 import subprocess
+from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.errors import RigError, UsageError
-from kapitsa_ros.rig.launch_arguments import end_with_failed, replay_from, rig_from
+from kapitsa_ros.rig.launch_arguments import PLANT_ARGUMENTS, end_with_failed, node_options, replay_from, rig_from
 from kapitsa_ros.rig.preflight import make_writable
 
 CHECKOUT = Path(__file__).parents[2]
@@ -55,6 +57,33 @@ def test_a_run_that_is_there_is_refused_before_the_start(tmp_path: Path, protoco
     (tmp_path / run).mkdir()
     with pytest.raises(UsageError, match=f'{run} exists: .* another bags:='):
         rig_from(SAID | {'bags': str(tmp_path), 'protocol': protocol})
+
+
+def test_a_parameter_of_the_plant_is_an_argument_of_its_own(tmp_path: Path) -> None:
+    said = SAID | {'bags': str(tmp_path / 'new'), 'plant': 'length=10in damping=0.2', 'length': '12in', 'clearance': ''}
+    plant = rig_from(said).plant
+    assert (plant.length, plant.damping) == (pytest.approx(0.3048), 0.2)
+    assert set(PLANT_ARGUMENTS) == {item.name for item in fields(Plant)}
+    with pytest.raises(UsageError, match='length is -1'):
+        rig_from(said | {'length': '-1', 'bags': str(tmp_path / 'other')})
+
+
+def test_what_every_node_of_a_launch_is_given(tmp_path: Path) -> None:
+    context = SimpleNamespace(launch_configurations={})
+    said = {'namespace': '', 'log_level': '', 'params_file': ''}
+    plain = node_options(said, context, {'rate': 1.0})
+    assert (plain['namespace'], plain['parameters'], plain['ros_arguments']) == (None, [{'rate': 1.0}], [])
+    assert plain['arguments'] == ['--parent-pid', str(os.getpid())]
+    file = tmp_path / 'mine.yaml'
+    with pytest.raises(UsageError, match=r'params_file:=.*mine.yaml: there is no such file'):
+        node_options(said | {'params_file': str(file)}, context, {})
+    file.write_text('{}')
+    full = node_options({'namespace': 'lab', 'log_level': 'debug', 'params_file': str(file)}, context, {'rate': 1.0})
+    assert (full['namespace'], full['parameters']) == ('lab', [{'rate': 1.0}, str(file)])
+    assert full['ros_arguments'] == ['--log-level', 'debug']
+    # A debugger in between would be taken for a launcher that is gone.
+    context.launch_configurations['launch-prefix'] = 'gdb --args'
+    assert node_options(said, context, {})['arguments'] == []
 
 
 def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:

@@ -7,8 +7,16 @@ import subprocess
 import sys
 from pathlib import Path
 
-from kapitsa_ros.rig.environment import node_environment
+from rcl_interfaces.msg import Log
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+from kapitsa_ros.network.registry import ROLE_NAMES
+from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.setup import Setup, parameters
+from kapitsa_ros.ros.qos import LATCHED
 
 PATIENCE = 30.0
 
@@ -148,3 +156,82 @@ def test_what_a_rig_starts_is_known_by_its_role(domain: int) -> None:
         assert select.select([nodes['pendulum'].sentinel], [], [], PATIENCE)[0]
         assert nodes['pendulum'].status() == 2
         assert 'parameter length' in nodes['pendulum'].last_error_lines()
+
+
+def test_a_parameter_that_no_role_has_is_reported(domain: int) -> None:
+    command = [sys.executable, '-m', 'kapitsa_ros.nodes', 'pendulum', '--ros-args', '-p', 'lenght:=0.3']
+    node = subprocess.Popen(command, env=node_environment(domain), stderr=subprocess.PIPE, text=True)
+    assert node.stderr is not None
+    said = []
+    for line in node.stderr:
+        said.append(line)
+        if 'joins domain' in line:
+            break
+    node.send_signal(signal.SIGINT)
+    node.communicate(timeout=PATIENCE)
+    assert any('parameter lenght is unknown: length may be meant' in line for line in said)
+
+
+def test_parameters_of_other_roles_are_known(domain: int, tmp_path: Path) -> None:
+    """A rig gives all of them to each of its nodes."""
+    with NodeGroup(ROLE_NAMES, parameters(Setup(bags=tmp_path)), domain) as nodes:
+        for role in ROLE_NAMES:
+            assert nodes[role].wait_for_line('joins domain', PATIENCE)
+            assert 'is unknown' not in nodes[role].last_error_lines()
+
+
+LATE = """
+import sys
+import kapitsa_ros.nodes.pendulum as pendulum
+from kapitsa_ros.nodes.__main__ import main
+from kapitsa_ros.ros.errors import NodeError
+
+class Broken(pendulum.PendulumNode):
+    def poll(self):
+        if self._rosout.get_subscription_count():
+            raise NodeError('the rod is ' + 1000 * 'very ' + 'broken')
+        return 0.05
+
+pendulum.create = Broken
+sys.exit(main(['pendulum']))
+"""
+
+
+def test_why_a_node_ends_reaches_rosout_and_is_no_longer_than_a_line(domain: int) -> None:
+    context, heard = Context(), []
+    with on_loopback():
+        context.init(domain_id=domain)
+    listener = Node('listener', context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(listener)
+    listener.create_subscription(Log, '/rosout', heard.append, LATCHED)
+    node = subprocess.Popen(script(LATE), env=node_environment(domain), stderr=subprocess.PIPE, text=True)
+    try:
+        while not any(message.level == Log.FATAL for message in heard):
+            executor.spin_once(timeout_sec=PATIENCE)
+        _, err = node.communicate(timeout=PATIENCE)
+    finally:
+        node.kill()
+        executor.shutdown()
+        listener.destroy_node()
+        context.try_shutdown()
+    [fatal] = [message for message in heard if message.level == Log.FATAL]
+    assert (fatal.name, len(fatal.msg)) == ('pendulum', 400)
+    assert fatal.msg.startswith('the rod is very')
+    assert err.splitlines()[-1] == f'pendulum: error: {fatal.msg}'
+
+
+THREAD = """
+import threading
+from kapitsa_ros.nodes.__main__ import main
+thread = threading.Thread(target=lambda: print(main(['pendulum'])))
+thread.start()
+thread.join()
+"""
+
+
+def test_a_node_in_another_thread_is_refused_in_one_line(domain: int) -> None:
+    done = run(THREAD, domain)
+    assert done.stdout == '1\n'
+    assert done.stderr.startswith('kapitsa: error: a node takes the signals of its process')
+    assert done.stderr.count('\n') == 1
