@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.network.registry import STOPWATCH
@@ -21,7 +22,7 @@ class StopwatchNode(InstrumentNode):
     def __init__(self) -> None:
         super().__init__(STOPWATCH)
         self._swings = declare_quantity(self, Protocol, 'swings')
-        self._settings = declare_set(self, StopwatchSettings)
+        self._settings = declare_set(self, StopwatchSettings, defaults=load_instruments('1997').stopwatch)
         self.latch_settings(settings_text('stopwatch', seed=self.seed, swings=self._swings, instrument=self._settings))
 
     def instrument(self, random: Generator) -> Stopwatch:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.instruments.strobe import Strobe
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.network.registry import STROBE
@@ -19,7 +20,7 @@ class StrobeNode(InstrumentNode):
 
     def __init__(self) -> None:
         super().__init__(STROBE)
-        self._settings = declare_set(self, StrobeSettings)
+        self._settings = declare_set(self, StrobeSettings, defaults=load_instruments('1997').strobe)
         self.latch_settings(settings_text('strobe', seed=self.seed, instrument=self._settings))
 
     def instrument(self, random: Generator) -> Strobe:

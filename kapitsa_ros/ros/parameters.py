@@ -81,8 +81,19 @@ def declare(  # noqa: PLR0917
         raise SettingError(str(error)) from error
 
 
-def declare_set(node: Node, kind: type[_Set], *names: str) -> _Set:
+def declare_set(node: Node, kind: type[_Set], *names: str, defaults: _Set | None = None) -> _Set:
     """Declare the quantities of a parameter set, or those named, as parameters, and return the set they make.
+
+    Parameters
+    ----------
+    node
+        Whose parameters they are.
+    kind
+        The set.
+    names
+        Of its quantities; none: all.
+    defaults
+        Values of what the node is not given; None: those of the set.
 
     Raises
     ------
@@ -91,7 +102,9 @@ def declare_set(node: Node, kind: type[_Set], *names: str) -> _Set:
 
     """
     values = {
-        item.name: declare_quantity(node, kind, item.name) for item in describe(kind) if item.name in names or not names
+        item.name: declare_quantity(node, kind, item.name, default=getattr(defaults, item.name, None))
+        for item in describe(kind)
+        if item.name in names or not names
     }
     try:
         return kind(**values)
@@ -99,8 +112,10 @@ def declare_set(node: Node, kind: type[_Set], *names: str) -> _Set:
         raise SettingError(f'parameter {error}') from error
 
 
-def declare_quantity(node: Node, kind: type[ParameterSet], name: str, *, read_only: bool = True) -> Any:
-    """Declare one quantity of a parameter set as a parameter and return its value.
+def declare_quantity(
+    node: Node, kind: type[ParameterSet], name: str, *, default: float | None = None, read_only: bool = True
+) -> Any:
+    """Declare one quantity of a parameter set as a parameter and return its value; the default is the set's, or given.
 
     Raises
     ------
@@ -110,7 +125,8 @@ def declare_quantity(node: Node, kind: type[ParameterSet], name: str, *, read_on
     """
     item = next(item for item in describe(kind) if item.name == name)
     low = max(item.low, _LEAST) if item.above else item.low
-    return declare(node, name, item.default, description_of(item), low, item.high, read_only=read_only)
+    usual = item.default if default is None else default
+    return declare(node, name, usual, description_of(item), low, item.high, read_only=read_only)
 
 
 def unknown_parameters(node: Node) -> list[str]:

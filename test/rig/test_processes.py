@@ -120,8 +120,6 @@ def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorde
             arguments = [sys.executable, '-m', 'kapitsa_ros', 'node', role]
             if role == 'recorder':
                 arguments += ['--ros-args', '-p', f'bags:={tmp_path / "A"}']
-            if role in {'strobe', 'stopwatch'}:
-                arguments += ['--ros-args', '--params-file', 'config/instruments/1997.yaml']
             processes.append(subprocess.Popen(arguments, env=environment, stderr=subprocess.PIPE, text=True))
             time.sleep(4 / len(order))  # spread over four seconds: what is tested, not a wait for something
         for role, process in zip(order, processes, strict=True):
