@@ -336,10 +336,12 @@ def test_a_second_rig_in_a_domain_is_refused(kapitsa: Kapitsa, domain: int, tmp_
     assert f'a rig runs in domain {domain} already' in answer.err
 
 
-def test_a_second_node_of_a_role_is_refused(domain: int, observer: SessionMonitor, tmp_path: Path) -> None:
+def test_a_second_node_of_a_role_is_refused(
+    domain: int, observer: SessionMonitor, tmp_path: Path, eventually: Callable[[Callable[[], bool]], None]
+) -> None:
     """Both of two rigs started by hand in one domain see it; the one that runs goes on."""
     with NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path, rate=1.0)), domain) as nodes:
-        observer.wait_for_progress(PATIENCE)
+        eventually(lambda: int(observer.progress.get('step', 0)) > 3)  # all have found one another
         with (
             NodeGroup(['pendulum'], parameters(setup_of(tmp_path)), domain) as second,
             pytest.raises(RigError, match=r'2 nodes write pendulum/motion .* ROS_DOMAIN_ID|joined late'),

@@ -107,7 +107,7 @@ def test_strangers_change_nothing_and_are_named(
 ) -> None:
     setup = Setup(bags=tmp_path / 'A', rate=6.0)
     with NodeGroup(ROLE_NAMES, parameters(setup), domain) as nodes:
-        eventually(lambda: int(observer.progress.get('step', 0)) > 0)  # all have found one another
+        eventually(lambda: int(observer.progress.get('step', 0)) > 3)  # all have found one another
         with on_loopback():
             stranger = Stranger(domain)
         try:
