@@ -48,6 +48,7 @@ def run_node(arguments: list[str]) -> int:
     from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
     from kapitsa_ros.network.registry import NODE_NAMES  # noqa: PLC0415
     from kapitsa_ros.ros.arguments import beside_ros  # noqa: PLC0415
+    from kapitsa_ros.ros.help_text import help_text  # noqa: PLC0415
     from kapitsa_ros.ros.main import run  # noqa: PLC0415
 
     if not arguments or arguments[0] not in NODE_NAMES:
@@ -57,7 +58,11 @@ def run_node(arguments: list[str]) -> int:
     role = arguments[0]
     module = import_module(f'kapitsa_ros.nodes.{role}')
     if {'-h', '--help'} & set(beside_ros(arguments)):
-        print(f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n{module.__doc__}')
+        try:
+            print(help_text(role, str(module.__doc__), module.create))
+        except KapitsaError as error:
+            print(f'{role}: error: {error}', file=sys.stderr)
+            return error.exit_status
         return 0
     return run(arguments, module.create)
 

@@ -83,6 +83,10 @@ class NodeGroup:
         waits = [(process.role, process.waits_for) for process in self._processes if process.waits_for]
         return '; '.join(f'{role} waits for {awaited}' for role, awaited in waits)
 
+    def refusals(self) -> list[str]:
+        """Return which nodes have refused what somebody said, and what they said of it."""
+        return [f'{process.role} has {process.refused}' for process in self._processes if process.refused]
+
     def refuse_leavers(self, patience: float) -> None:
         """Refuse that a node ended of itself, as after a signal, while others still need it.
 

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.rig.fork_server_process import ForkServerProcess
 
 LAST_LINES = 20
+_REFUSED = re.compile(r': (refused: .+ \(\d+ so far\))$')
 _JOINED, _WAITING = re.compile(r': joins domain \d+$'), re.compile(r': waiting for (.+) in domain \d+')
-"""Lines of a node: that it is there, and for whom it waits."""
+"""Lines of a node: that it is there, for whom it waits; above, that it has not used what somebody said."""
 
 
 class NodeProcess:
@@ -48,6 +49,8 @@ class NodeProcess:
         """Whether it has said that it is in its domain."""
         self.waits_for: str | None = None
         """For whom it waited when it last said so."""
+        self.refused: str | None = None
+        """What it has last refused, and how often it did."""
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
@@ -111,6 +114,8 @@ class NodeProcess:
                 with self._news:
                     self._lines.append(line.rstrip())
                     self.has_joined = self.has_joined or bool(_JOINED.search(line.rstrip()))
+                    if refused := _REFUSED.search(line.rstrip()):
+                        self.refused = refused[1]
                     if waiting := _WAITING.search(line):
                         self.waits_for = waiting[1]
                     self._news.notify_all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 
     Progress = Callable[[dict[str, str]], None]
 
+_LOG = logging.getLogger(__name__)
 WATCH_PERIOD = 0.5
 """Seconds between two looks at the clock while all goes well; a death is noticed at once."""
 
@@ -159,4 +161,6 @@ def watch(
             monitor.wait_for_end()
             if not told:
                 on_end(monitor)
+            for line in nodes.refusals():
+                _LOG.warning('kapitsa: warning: %s', line)
     return monitor

@@ -89,7 +89,8 @@ class NumberedSubscription:
         try:
             step_id = read_step_id(raw)
         except WireError as error:
-            self._refuse(f'{name}: {error}')
+            strangers = ', '.join(self.strangers())
+            self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
             return
         provenance = self._order.classify(publication, step_id)
         if provenance is Provenance.OWN:

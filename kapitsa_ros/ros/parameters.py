@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 import platform
-from dataclasses import asdict
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from difflib import get_close_matches
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -29,6 +30,8 @@ from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.schema import ParameterSet, describe, description_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from rclpy.node import Node
 
 
@@ -41,6 +44,31 @@ _OF_ROLES = {
 }  # fmt: skip
 """Parameters of any role: nodes of a rig are given all of them, and each takes its own."""
 _Set = TypeVar('_Set', bound=ParameterSet)
+
+
+@dataclass(frozen=True)
+class Declaration:
+    """A parameter as a node declares it."""
+
+    name: str
+    description: str
+    default: Any
+    low: float | None
+    high: float | None
+
+
+_noted: list[list[Declaration]] = []
+"""Where declarations are noted: the lists of the contexts under way."""
+
+
+@contextmanager
+def noting_declarations() -> Iterator[list[Declaration]]:
+    """Yield a list to which each parameter is added that is declared in the context."""
+    _noted.append([])
+    try:
+        yield _noted[-1]
+    finally:
+        _noted.pop()
 
 
 def declare(  # noqa: PLR0917
@@ -61,6 +89,8 @@ def declare(  # noqa: PLR0917
         It was given a value of another type or outside [low, high].
 
     """
+    for notes in _noted:
+        notes.append(Declaration(name, description, default, low, high))
     descriptor = ParameterDescriptor(description=description, read_only=read_only)
     if low is not None and high is not None:
         if isinstance(default, float):

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from rcl_interfaces.msg import Log
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -235,3 +236,22 @@ def test_a_node_in_another_thread_is_refused_in_one_line(domain: int) -> None:
     assert done.stdout == '1\n'
     assert done.stderr.startswith('kapitsa: error: a node takes the signals of its process')
     assert done.stderr.count('\n') == 1
+
+
+@pytest.mark.parametrize(
+    ('role', 'lines'),
+    [
+        ('player', ['bags: folders of the runs to play, in this order', 'rate: ', 'expect: roles of the graph']),
+        ('strobe', ['dial_resolution: ', 'seed: ', 'expect: ']),
+    ],
+)
+def test_the_help_of_a_node_lists_its_parameters(role: str, lines: list[str], domain: int) -> None:
+    done = subprocess.run(
+        [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--help'],
+        env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith(f'usage: {role} [--ros-args')
+    listed = done.stdout.partition('parameters:\n')[2].splitlines()
+    assert all(any(line.strip().startswith(start) for line in listed) for start in lines)
+    assert all('(default ' in line for line in listed)

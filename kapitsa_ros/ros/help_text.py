@@ -1,0 +1,45 @@
+"""What `NODE --help` prints: the parameters that the node declares, with meaning, default and range."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import rclpy
+
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.ros.arguments import NO_LOG_FILES
+from kapitsa_ros.ros.parameters import noting_declarations
+from kapitsa_ros.ros.reachability import refuse_unreachable
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kapitsa_ros.ros.dataflow_node import DataflowNode
+    from kapitsa_ros.ros.parameters import Declaration
+
+
+def help_text(role: str, description: str, create: Callable[[], DataflowNode]) -> str:
+    """Return the help of a node, which is made for it and destroyed: its constructor declares the parameters.
+
+    Raises
+    ------
+    SettingError
+        No node can be made here.
+
+    """
+    refuse_unreachable()
+    rclpy.init(args=NO_LOG_FILES)
+    with noting_declarations() as declared:
+        try:
+            create().destroy_node()
+        except KapitsaError:
+            pass  # as a player without bags: all is declared by then
+        finally:
+            rclpy.try_shutdown()
+    usage = f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]'
+    return '\n'.join([usage, '', description.strip(), '', 'parameters:', *map(_line, declared)])
+
+
+def _line(declared: Declaration) -> str:
+    bounds = f', in [{declared.low:g}, {declared.high:g}]' if declared.low is not None else ''
+    return f'  {declared.name}: {declared.description} (default {declared.default}{bounds})'
