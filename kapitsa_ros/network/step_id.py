@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-_DIGITS = 9
+_DIGITS = 10
 """Of the largest number of a run or a step."""
 
 
