@@ -111,6 +111,7 @@ NOTHING = bytes(2**30)
         MAGIC + chunk(zstandard.ZstdCompressor(write_content_size=False).compress(NOTHING[: 2**28]), 'zstd', 100),
         MAGIC + chunk(lz4.frame.compress(NOTHING), 'lz4', 100),
         MAGIC + chunk(b'abc', 'bzip2', 100),
+        MAGIC + struct.pack('<BQQQQIIQ', 6, 40, 0, 0, 0, 0, 0, 2**64 - 1),
         MAGIC + chunk(b'', '', 0) * 20_000,
         MAGIC + struct.pack('<BQ', 3, 30) + struct.pack('<HI', 1, 2**32 - 1) + bytes(24),
         b'SQLite format 3\x00' + bytes(100),
@@ -119,8 +120,8 @@ NOTHING = bytes(2**30)
         b'hello',
     ],
     ids=[
-        'empty', 'magic', 'length', 'message', 'short', 'large', 'bomb', 'quiet_bomb', 'lz4_bomb', 'unknown', 'tiny',
-        'string', 'sqlite', 'zstd', 'file_bomb', 'text',
+        'empty', 'magic', 'length', 'message', 'short', 'large', 'bomb', 'quiet_bomb', 'lz4_bomb', 'unknown',
+        'beyond', 'tiny', 'string', 'sqlite', 'zstd', 'file_bomb', 'text',
     ],
 )  # fmt: skip
 def test_hostile_files_are_refused_in_a_line(tmp_path: Path, content: bytes) -> None:

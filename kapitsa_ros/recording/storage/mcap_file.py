@@ -262,5 +262,5 @@ class McapFile:
 def _parsed(kind: Any, body: bytes) -> Any:
     try:
         return kind.read(ReadDataStream(BytesIO(body)))
-    except (McapError, ValueError, struct.error, KeyError) as error:
+    except (McapError, ValueError, struct.error, KeyError, OverflowError, MemoryError) as error:
         raise _DamageError(f'a {kind.__name__} is none') from error
