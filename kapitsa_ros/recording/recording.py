@@ -12,7 +12,7 @@ from kapitsa_ros.network.registry import RECORDED, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, decode_settings, settings_topic
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.recording.digest import DIGEST_TOPIC, message_digest, parse_group
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.message_table import MessageTable
 from kapitsa_ros.recording.run_index import RunIndex
 from kapitsa_ros.recording.storage.bag_files import METADATA, BagFiles
@@ -193,6 +193,7 @@ class Recording:
         for file in self._files.files:
             self.damages += _told(file.defects, file.path.name)
         self.damages += [f'{why}: {count} messages left out' for why, count in self._left_out.items()]
+        self.damages = list(map(printable, self.damages))
         self.defects += self.damages
         for file in self._files.files:
             if file.cut_off is not None:

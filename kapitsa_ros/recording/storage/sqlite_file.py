@@ -110,7 +110,8 @@ class SqliteFile:
 
     def _message(self, number: Any, topic_id: Any, stamp: Any, data: Any) -> Iterator[StoredMessage]:
         known = self._topics.get(topic_id)
-        if known is None or not isinstance(data, bytes) or not isinstance(stamp, int):
+        numbers = isinstance(number, int) and isinstance(stamp, int)
+        if known is None or not isinstance(data, bytes) or not numbers:
             self.defects.append(f'{self.path.name}: message {number} is damaged and left out')
             return
         try:
