@@ -318,7 +318,8 @@ class RunBag:
                 f'{self.path} has format {self.format}, this version reads up to {FORMAT}: install a newer kapitsa_ros'
             )
         if not recording.topics:
-            raise BagError(f'{self.path} is empty: the run was never begun')
+            damage = f'is damaged: {recording.damages[0]}' if recording.damages else 'is empty: the run was never begun'
+            raise BagError(f'{self.path} {damage}')
         needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
         needed += map(settings_topic, described_by(_REQUIRED))
         missing = [name for name in needed if name not in self.topics]
