@@ -11,8 +11,9 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.configuration.errors import ConfigurationError
-from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
+from rcl_interfaces.msg import SetParametersResult
+
+from kapitsa_ros.configuration.playback_parameters import LONGEST, PlaybackParameters
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import MOTION, PIVOT, PLAYER, REPLAYED
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
@@ -47,10 +48,9 @@ class PlayerNode(DataflowNode):
         super().__init__(PLAYER)
         paths = declare(self, 'bags', [''], 'folders of the runs to play, in this order')
         self._loop = declare(self, 'loop', default=False, description='begin again at the end, for viewers')
-        try:
-            self._part = declare_set(self, PlaybackParameters)
-        except ConfigurationError as error:
-            raise SettingError(str(error)) from error
+        self._part = declare_set(self, PlaybackParameters)
+        declare(self, 'seek', self._part.start, 'place of the runs to go to, s', 0.0, LONGEST, read_only=False)
+        self._time = TimeControl(self, next_step=self._next_id)
         if not any(paths):
             raise SettingError('parameter bags is empty: give one run or more')
         try:
@@ -58,10 +58,9 @@ class PlayerNode(DataflowNode):
         except BagError as error:
             raise SettingError(f'parameter bags: {error}') from error
         self._playback = Playback(self._bags)
-        duration = self._playback.duration
-        if self._part.start >= duration:
-            raise SettingError(f'parameter start is {self._part.start:g} s: the runs last {duration:g} s')
-        declare(self, 'seek', self._part.start, 'place of the runs to go to, s', 0.0, duration, read_only=False)
+        self._duration = self._playback.duration
+        if self._part.start >= self._duration:
+            raise SettingError(f'parameter start is {self._part.start:g} s: the runs last {self._duration:g} s')
         self._text = message_class(SETTINGS_TYPE)
         self._latched = {
             node: self.create_publisher(self._text, settings_topic(node), LATCHED)
@@ -79,7 +78,7 @@ class PlayerNode(DataflowNode):
         self._shown_from = self._part.start
         self._is_sought = False
         """Whether the next step that is shown is so even while time stands still."""
-        self._time = TimeControl(self, next_step=self._next_id)
+        self.add_on_set_parameters_callback(self._refuse_beyond_end)
         self.add_post_set_parameters_callback(self._take_parameters)
 
     def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:  # noqa: ARG002
@@ -187,6 +186,10 @@ class PlayerNode(DataflowNode):
     def _next_id(self) -> StepId:
         """Return the number of the next step that is shown."""
         return self._next.id if self._next is not None else StepId(self._bags[-1].run.number + 1, 0, end=True)
+
+    def _refuse_beyond_end(self, parameters: list[Parameter]) -> SetParametersResult:
+        beyond = any(parameter.name == 'seek' and parameter.value > self._duration for parameter in parameters)
+        return SetParametersResult(successful=not beyond, reason=f'the runs last {self._duration:g} s' * beyond)
 
     def _take_parameters(self, parameters: list[Parameter]) -> None:
         for parameter in parameters:

@@ -7,6 +7,7 @@ from xml.etree import ElementTree as ET
 
 from kapitsa_ros.network.registry import ANALYSER, JIGSAW, NODES, OPERATOR, PENDULUM, PLAYER, RECORDER, described_by
 from kapitsa_ros.network.settings import settings_topic
+from kapitsa_ros.ros.time_control_client import SERVICES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -19,7 +20,8 @@ ENCLAVES = '/kapitsa_ros'
 _SETTINGS = tuple(settings_topic(name) for name in described_by())
 _PUBLISHED = {JIGSAW: ('/clock',), PENDULUM: ('joint_states',), PLAYER: ('/clock', 'joint_states', *_SETTINGS)}
 _SUBSCRIBED = {OPERATOR: ('operator/speed', 'operator/release'), ANALYSER: _SETTINGS, RECORDER: _SETTINGS}
-_ANSWERED = {JIGSAW: ('~/pause', '~/resume', '~/step', '~/reset')}
+_TIME = tuple(f'~/{name}' for name in SERVICES)
+_ANSWERED = {JIGSAW: (*_TIME, '~/reset'), PLAYER: _TIME}
 _OF_ALL_PUBLISHED = ('diagnostics', '/rosout', '/parameter_events')
 _OF_ALL_SUBSCRIBED = ('/clock',)  # where use_sim_time is set
 _OF_ALL_ANSWERED = tuple(

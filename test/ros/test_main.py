@@ -241,7 +241,10 @@ def test_a_node_in_another_thread_is_refused_in_one_line(domain: int) -> None:
 @pytest.mark.parametrize(
     ('role', 'lines'),
     [
-        ('player', ['bags: folders of the runs to play, in this order', 'rate: ', 'expect: roles of the graph']),
+        (
+            'player',
+            ['bags: folders of the runs to play, in this order', 'rate: ', 'seek: ', 'expect: roles of the graph'],
+        ),
         ('strobe', ['dial_resolution: ', 'seed: ', 'expect: ']),
     ],
 )
