@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.rig.fork_server_process import ForkServerProcess
 
 LAST_LINES = 20
+_OTHER = 'second writer'
 _REFUSED = re.compile(r': (refused: .+ \(\d+ so far\))$')
 _JOINED, _WAITING = re.compile(r': joins domain \d+$'), re.compile(r': waiting for (.+) in domain \d+')
 """Lines of a node: that it is there, for whom it waits; above, that it has not used what somebody said."""
@@ -50,7 +51,7 @@ class NodeProcess:
         self.waits_for: str | None = None
         """For whom it waited when it last said so."""
         self.refused: str | None = None
-        """What it has last refused, and how often it did."""
+        """What it has last refused, of another writer if it had to do with one, and how often it did."""
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
@@ -85,6 +86,10 @@ class NodeProcess:
         """Return the exit status, that of a signal negative; None while it runs, or where it is an orphan."""
         return self._process.status()
 
+    def _note_refused(self, text: str) -> None:
+        if self.refused is None or _OTHER in text or _OTHER not in self.refused:
+            self.refused = text
+
     def last_error_lines(self) -> str:
         """Return its last error, or else its last lines on stderr."""
         self._reader.join(timeout=1.0)
@@ -115,7 +120,7 @@ class NodeProcess:
                     self._lines.append(line.rstrip())
                     self.has_joined = self.has_joined or bool(_JOINED.search(line.rstrip()))
                     if refused := _REFUSED.search(line.rstrip()):
-                        self.refused = refused[1]
+                        self._note_refused(refused[1])
                     if waiting := _WAITING.search(line):
                         self.waits_for = waiting[1]
                     self._news.notify_all()
