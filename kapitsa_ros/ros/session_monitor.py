@@ -125,6 +125,7 @@ class SessionMonitor(ListenerNode):
                 else:
                     self.runs.append(dict(values))
             self._ended = self._ended or ends_session(step_id)
+            self._over = self._over or self._ended  # a report of progress may be lost, a result is not
             self._news.notify_all()
 
 
