@@ -18,9 +18,7 @@ from kapitsa_ros.network.registry import (
     READINGS,
     RECORDED,
     REPLAYED,
-    RIG_ROLES,
     described_by,
-    writer_of,
 )
 from kapitsa_ros.network.run_builder import RunBuilder
 from kapitsa_ros.network.settings import encode_settings, settings_topic
@@ -31,8 +29,8 @@ from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
 from kapitsa_ros.recording.motion import Motion, joined_motion
 from kapitsa_ros.recording.recording import Recording
+from kapitsa_ros.recording.run_choice import REQUIRED_ROLES, RUN_TOPICS, begun_runs, chosen_run, format_of
 from kapitsa_ros.recording.run_index import steps_text
-from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -40,11 +38,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.physics.sampled_motion import SampledMotion
-    from kapitsa_ros.recording.run_index import RunIndex
 
-_RUN_TOPICS = (COMMAND, *READINGS)
-"""Those that make a run."""
-_REQUIRED = [role for role in RIG_ROLES if not role.optional]
 _STAMPED = (PIVOT.name, MOTION.name, COMMAND.name)
 """Topics whose stamp is that of their step."""
 _NAMES = [topic.name for topic in REPLAYED]
@@ -74,12 +68,12 @@ class RunBag:
     ) -> None:
         self.path = Path(path)
         self._recording = recording or Recording(self.path)
-        self.format = _format_of(self._recording)
+        self.format = format_of(self._recording)
         """Version of the bag's format; 0 for bags that state none."""
         self.topics = frozenset(self._recording.topics)
         """Names of those recorded."""
-        self._index = self._chosen(run)
-        self.several = len(_begun(self._recording)) > 1
+        self._index = chosen_run(self.path, self._recording, run)
+        self.several = len(begun_runs(self._recording)) > 1
         """Whether the bag holds other runs too."""
         promised = {} if self.several else self._recording.promise.custom
         self.integrity = leave_out_damaged(self._index, self._recording.table, promised)
@@ -201,11 +195,11 @@ class RunBag:
         """
         try:
             settings = {node: json.loads(text) for node, text in self.settings_texts.items()}
-            lacking = [role for role in described_by(_REQUIRED) if role not in settings]
+            lacking = [role for role in described_by(REQUIRED_ROLES) if role not in settings]
             if lacking:
                 raise BagError(f'{self.path} is damaged: the settings of {", ".join(lacking)} are lost')
             builder = RunBuilder(self.number, settings)
-            present = [topic for topic in _RUN_TOPICS if topic.name in self._index.present]
+            present = [topic for topic in RUN_TOPICS if topic.name in self._index.present]
             count = 0
             for step in self._steps([topic.name for topic in present]):
                 builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
@@ -311,34 +305,6 @@ class RunBag:
             if len(raw) == len(topics) and not step_id.end:
                 yield Step(step_id, raw)
 
-    def _chosen(self, run: int | None) -> RunIndex:
-        recording, begun = self._recording, _begun(self._recording)
-        if self.format > FORMAT:
-            raise BagError(
-                f'{self.path} has format {self.format}, this version reads up to {FORMAT}: install a newer kapitsa_ros'
-            )
-        if not recording.topics:
-            damage = f'is damaged: {recording.damages[0]}' if recording.damages else 'is empty: the run was never begun'
-            raise BagError(f'{self.path} {damage}')
-        needed = [topic.name for topic in _RUN_TOPICS if not writer_of(topic).optional]
-        needed += map(settings_topic, described_by(_REQUIRED))
-        missing = [name for name in needed if name not in self.topics]
-        wrong = [recording.wrong_types[name] for name in needed if name in recording.wrong_types]
-        if missing or wrong:
-            lacks = [f'it lacks {", ".join(missing)}'] if missing else []
-            raise BagError(f'{self.path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}')
-        numbers = sorted(begun) or sorted(recording.runs)
-        if not numbers:
-            raise BagError(f'{self.path} holds no step of a run')
-        if run is None and len(numbers) == 1:
-            return recording.runs[numbers[0]]
-        if run in recording.runs:
-            return recording.runs[run]
-        raise BagError(
-            f'{self.path} holds runs {", ".join(map(str, numbers))}'
-            + (': take it apart by open_runs, or give the number of one' if run is None else f', not {run}')
-        )
-
 
 def open_runs(path: str | PathLike[str]) -> tuple[RunBag, ...]:
     """Return the runs in a bag: one as a rule, several where a whole session was recorded to it.
@@ -350,7 +316,7 @@ def open_runs(path: str | PathLike[str]) -> tuple[RunBag, ...]:
 
     """
     recording = Recording(Path(path))
-    numbers = sorted(_begun(recording))
+    numbers = begun_runs(recording)
     if len(numbers) < 2:
         return (RunBag(path, recording=recording),)
     return tuple(RunBag(path, number, recording=recording) for number in numbers)
@@ -366,14 +332,3 @@ def runs_of(paths: Iterable[Path]) -> list[RunBag]:
 
     """
     return [bag for path in paths for bag in open_runs(path)]
-
-
-def _begun(recording: Recording) -> list[int]:
-    """Return the numbers of the runs that have a step; of one that was never begun there are commands only."""
-    return [number for number, index in recording.runs.items() if index.last >= 0]
-
-
-def _format_of(recording: Recording) -> int:
-    """Return the format that a bag states, 0 where it states none."""
-    text = recording.promise.custom.get(FORMAT_KEY, '0')
-    return int(text) if text.isdecimal() else 0
