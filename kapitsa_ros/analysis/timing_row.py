@@ -49,8 +49,8 @@ class TimingRow:
     """Full swings, as counted."""
     swings_taken: int | None = None
     """What `period` is taken from, where that is not `swings`: the other readings make it probable."""
-    miscount_probability: float = 0.0
-    """That `swings` is wrong, by the other readings."""
+    miscount_probability: float | None = None
+    """That `swings` is wrong, by the other readings; None where that was not weighed."""
     displayed: float | None = None
     """On the stopwatch, s."""
     time: float | None = None
@@ -66,7 +66,7 @@ class TimingRow:
         where = '' if self.run is None else f'run {self.run}: '
         if self.swings_taken is not None:
             return f'{where}{self.swings} swings counted, taken as {self.swings_taken}, by the other readings'
-        if self.miscount_probability > _DOUBTFUL:
+        if self.miscount_probability is not None and self.miscount_probability > _DOUBTFUL:
             wrong = f'{100.0 * self.miscount_probability:.0f} %'
             return f'{where}{self.swings} swings counted; {wrong} probable to be wrong: the interval allows for it'
         return None

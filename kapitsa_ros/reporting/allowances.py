@@ -37,6 +37,10 @@ def allowed(assumed: Mapping[str, float]) -> str:
         )
         if assumed[probability]
     ]
+    if assumed['coulomb_probability']:
+        named.append('Coulomb friction')
+    if assumed['miscount_probability']:
+        named.append(f'a miscount in {100.0 * assumed["miscount_probability"]:.3g} % of timings with a count')
     named += [
         f'{what} (u = {100.0 * assumed[name]:.3g} %)'
         for name, what in (('stopwatch_rate_u', 'the rate of the stopwatch'), ('dial_u', 'the calibration of the dial'))

@@ -51,6 +51,7 @@ def budget_sentences(values: Mapping[str, Any]) -> list[str]:
     said = [
         f'combined standard uncertainty u_c = {u}; effective degrees of freedom {freely}; {factor}',
         f'expanded uncertainty (95 %) U = {expanded} about {value}, where play, damping and friction are as expected',
+        'counts of swings are taken as right, or as repaired: a miscount has no share in it',
         f'Monte Carlo, {carlo["draws"]} draws: u = {spread} about {mean}, 95 % from {low} to {high} RPM',
     ]
     if not values['linear']:

@@ -56,12 +56,12 @@ class SessionMonitor(ListenerNode):
         return TimeControlClient(self._node, owner)
 
     def wait_for_end(self, timeout: float = 5.0) -> None:
-        """Wait for the analyser's last results and for the report that the session is over.
+        """Wait for the analyser's last results.
 
         Raises
         ------
         TimeoutError
-            They did not.
+            They did not come.
 
         """
         with self._news:
@@ -72,13 +72,13 @@ class SessionMonitor(ListenerNode):
 
     @property
     def session_over(self) -> bool:
-        """Whether the owner of time has said that no run follows."""
-        return self._over
+        """Whether the owner of time, or the last result, says that no run follows: a report of progress may be lost."""
+        return self._over or self._ended
 
     @property
     def is_complete(self) -> bool:
-        """Whether the session is over and its last results have come."""
-        return self.session_over and self._ended
+        """Whether the last results have come."""
+        return self._ended
 
     def wait_for_progress(self, timeout: float) -> dict[str, str]:
         """Wait for the next report of progress and return its values.
@@ -125,7 +125,6 @@ class SessionMonitor(ListenerNode):
                 else:
                     self.runs.append(dict(values))
             self._ended = self._ended or ends_session(step_id)
-            self._over = self._over or self._ended  # a report of progress may be lost, a result is not
             self._news.notify_all()
 
 

@@ -112,6 +112,8 @@ def test_a_miscount_is_said_in_tables_and_json():
     found = fit_timings(rows, RULER, ROD.gravity)
     said = 'run 3: 3 swings counted, taken as 4, by the other readings'
     assert found.rows[3].miscount == said
+    uncounted = fit_timings([replace(row, swings=None) for row in rows], RULER, ROD.gravity)
+    assert all(row.miscount_probability is None for row in uncounted.rows)
     values = experiment_values(reduce_runs(experiment(4, 0.3)))
     taken = [timing['miscount'] for timing in values['timings'] if timing['swings_taken']]
     assert taken

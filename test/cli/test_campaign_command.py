@@ -98,4 +98,5 @@ def test_what_is_taken_for_granted_widens_intervals_and_is_said() -> None:
     said = (
         CliRunner().invoke(campaign, ['--experiments', '1', '--assume', 'dial_u=0.03'], env={'COLUMNS': '120'}).stdout
     )
-    assert 'allows for play up to 2.5 mm, damping up to 6 1/s, the calibration of the dial (u = 3 %)' in said
+    assert 'allows for play up to 2.5 mm, damping up to 6 1/s, Coulomb friction, a miscount in 2 % of timings' in said
+    assert 'the calibration of the dial (u = 3 %)' in said

@@ -42,6 +42,11 @@ class Counts:
     """ln of how probable these counts make the displays, over how probable the evidence of these rows is."""
 
 
+def may_be_miscounted(row: TimingRow) -> bool:
+    """Whether swings were counted of which a period was taken."""
+    return bool(row.kind == 'timed' and row.unused is None and row.speed and row.swings)
+
+
 def probable_counts(
     rows: Sequence[TimingRow], ruler: Ruler, gravity: float, assumptions: Assumptions
 ) -> tuple[Counts, ...]:
@@ -51,11 +56,7 @@ def probable_counts(
     over. Rods are drawn from the prior, at thresholds in even steps. What is best somewhere is a candidate; candidates
     are weighed by the sum over all rods. The weights are rough, meant to leave out what need not be fitted.
     """
-    index = [
-        number
-        for number, row in enumerate(rows)
-        if row.kind == 'timed' and row.unused is None and row.speed and row.swings
-    ]
+    index = [number for number, row in enumerate(rows) if may_be_miscounted(row)]
     as_noted = (_counts(rows, index, np.zeros(len(index), dtype=np.int64), assumptions),)
     if not index or not assumptions.miscount_probability:
         return as_noted

@@ -10,7 +10,7 @@ import numpy as np
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, CurveFit
 from kapitsa_ros.analysis.critical_speed.evidence import Evidence, evidence_of
-from kapitsa_ros.analysis.critical_speed.miscounts import probable_counts
+from kapitsa_ros.analysis.critical_speed.miscounts import may_be_miscounted, probable_counts
 from kapitsa_ros.analysis.critical_speed.posterior import Posterior, mixture
 from kapitsa_ros.analysis.errors import NothingTimedError
 
@@ -76,6 +76,6 @@ def _weighed(every: Sequence[Counts], fits: Sequence[CurveFit]) -> tuple[list[Po
 def _with_probabilities(every: Sequence[Counts], share: NDArray[np.float64], likeliest: int) -> tuple[TimingRow, ...]:
     wrong = np.array([[row.swings_taken is not None for row in counts.rows] for counts in every])
     return tuple(
-        replace(row, miscount_probability=float(probability))
+        replace(row, miscount_probability=float(probability)) if may_be_miscounted(row) else row
         for row, probability in zip(every[likeliest].rows, share @ wrong, strict=True)
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -90,10 +90,10 @@ def cheapest_plan(
     if release == 0.0:
         raise AnalysisError('a release at 0 rad: an upright rod does not swing, let it go at an angle')
     protocols = _protocols(_candidates(plant, release, fastest), plant, instruments, assumptions)
-    bound = np.array([protocol.bound_percent for protocol in protocols])
+    bound = np.array([protocol.expected_percent for protocol in protocols])
     seconds = np.array([protocol.seconds for protocol in protocols])
 
-    def promise(protocol: _Protocol) -> Promise:
+    def promise(protocol: Plan) -> Promise:
         return Promise(
             plant=plant,
             instruments=instruments,
@@ -106,7 +106,7 @@ def cheapest_plan(
 
     best: Plan | None = None
     aim = target_percent
-    tried: set[_Protocol] = set()
+    tried: set[Plan] = set()
     for _ in range(_AIMS):
         aim = max(aim, float(bound.min()))
         chosen = protocols[int(np.where(bound <= aim, seconds, math.inf).argmin())]
@@ -115,13 +115,7 @@ def cheapest_plan(
         tried.add(chosen)
         expected = promise(chosen).half_width_percent
         if expected <= target_percent and (best is None or chosen.seconds < best.seconds):
-            best = Plan(
-                speeds=chosen.speeds,
-                swings=chosen.swings,
-                repeats=chosen.repeats,
-                expected_percent=expected,
-                seconds=chosen.seconds,
-            )
+            best = replace(chosen, expected_percent=expected)
         if _CLOSE * target_percent <= expected <= target_percent:
             break
         aim = min(aim * _CLOSER * target_percent / expected, _FARTHEST * target_percent)
@@ -134,26 +128,17 @@ def cheapest_plan(
     return best
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Protocol:
-    speeds: tuple[float, ...]
-    swings: int
-    repeats: int
-    bound_percent: float
-    seconds: float
-
-
 def _protocols(
     runs: Sequence[Sensitivity], plant: Plant, instruments: Instruments, assumptions: Assumptions
-) -> list[_Protocol]:
-    """Return those that can be carried out, each with the least half width of its interval."""
+) -> list[Plan]:
+    """Return those that can be carried out; what is expected of each is the least half width there can be."""
     prior = _prior_information(plant, assumptions)
     return [
-        _Protocol(
+        Plan(
             speeds=tuple(run.speed for run in chosen),
             swings=swings,
             repeats=repeats,
-            bound_percent=100.0 * NORMAL_95 * math.sqrt(variance),
+            expected_percent=100.0 * NORMAL_95 * math.sqrt(variance),
             seconds=sum(_SET_UP + repeats * (CATCH + (0.75 + swings) * run.period) for run in chosen),
         )
         for count in _RUNS
