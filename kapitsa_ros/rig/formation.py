@@ -34,8 +34,8 @@ class Formation:
         now = time.monotonic()
         if self._since is None and self._nodes.have_joined():
             self._since = now
-        if self._since is not None and now - self._since > PATIENCE:
-            raise RigError(f'the nodes do not find one another: {self._nodes.who_waits()}; {_cause()}')
+        if self._since is not None and now - self._since > PATIENCE and (waits := self._nodes.who_waits()):
+            raise RigError(f'the nodes do not find one another: {waits}; {_cause()}')
 
 
 def _cause() -> str:

@@ -79,7 +79,7 @@ class NodeGroup:
         return all(process.has_joined for process in self._processes)
 
     def who_waits(self) -> str:
-        """Return in words who waits for whom; empty if nobody has said so."""
+        """Return in words who waits for whom; empty if nobody says so."""
         waits = [(process.role, process.waits_for) for process in self._processes if process.waits_for]
         return '; '.join(f'{role} waits for {awaited}' for role, awaited in waits)
 

@@ -23,6 +23,7 @@ LAST_LINES = 20
 _OTHER = 'second writer'
 _REFUSED = re.compile(r': (refused: .+ \(\d+ so far\))$')
 _JOINED, _WAITING = re.compile(r': joins domain \d+$'), re.compile(r': waiting for (.+) in domain \d+')
+_FOUND = re.compile(r': waits for nobody any more$')
 """Lines of a node: that it is there, for whom it waits; above, that it has not used what somebody said."""
 
 
@@ -49,7 +50,7 @@ class NodeProcess:
         self.has_joined = False
         """Whether it has said that it is in its domain."""
         self.waits_for: str | None = None
-        """For whom it waited when it last said so."""
+        """For whom it waits, as it last said."""
         self.refused: str | None = None
         """What it has last refused, of another writer if it had to do with one, and how often it did."""
         with ExitStack() as failed_start:
@@ -123,6 +124,8 @@ class NodeProcess:
                         self._note_refused(refused[1])
                     if waiting := _WAITING.search(line):
                         self.waits_for = waiting[1]
+                    elif _FOUND.search(line.rstrip()):
+                        self.waits_for = None
                     self._news.notify_all()
         except ValueError:
             pass  # closed from the other side while stopping

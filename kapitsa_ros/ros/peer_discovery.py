@@ -50,6 +50,8 @@ class PeerDiscovery:
         missing = self._missing()
         if not missing:
             self.matched = True
+            if self._wait > PATIENCE:  # whoever has read for whom it waits has to know that it no longer does
+                self._node.get_logger().info('waits for nobody any more')
         elif time.monotonic() > self._next_line:
             self._wait *= 2
             self._next_line = time.monotonic() + self._wait

@@ -51,6 +51,24 @@ def test_who_waits_for_whom_is_told_by_the_nodes(clock: SimpleNamespace, domain:
             forming.check()
 
 
+def test_nodes_that_have_found_one_another_late_are_not_held_to_be_lost(
+    clock: SimpleNamespace, domain: int, tmp_path: Path
+) -> None:
+    early = [role for role in ROLE_NAMES if role != 'stopwatch']
+    told = parameters(Setup(bags=tmp_path, rate=1.0))
+    with NodeGroup(early, told, domain) as nodes:
+        for role in ('pendulum', 'operator'):
+            assert nodes[role].wait_for_line('waiting for', 60.0)
+        forming = Formation(nodes)
+        forming.check()
+        assert 'pendulum waits for stopwatch' in nodes.who_waits()
+        with NodeGroup(['stopwatch'], told, domain):
+            for role in ('pendulum', 'operator'):
+                assert nodes[role].wait_for_line('waits for nobody any more', 60.0)
+            clock.now += PATIENCE + 1.0
+            assert not [role for role in ('pendulum', 'operator') if f'{role} waits' in nodes.who_waits()]
+
+
 def test_a_discovery_server_that_is_asked_for_is_suspected(
     clock: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
