@@ -42,6 +42,10 @@ class RecordedRun:
     """Seconds of the run, equidistant, shape (N,)."""
     angle: NDArray[np.float64]
     """θ, rad, shape (N,)."""
+    defects: tuple[str, ...] = ()
+    """What is missing or damaged in its record, a sentence each."""
+    unverified: bool = False
+    """Whether the record carries no digest that would show a change."""
 
     def has_moved(self) -> bool:
         """Whether there is a motion to be looked at."""

@@ -236,7 +236,14 @@ class RunBag:
     def recorded(self) -> RecordedRun:
         """The run together with its motion."""
         seconds = (self.motion.stamps_ns - self.motion.stamps_ns[:1]) / SECOND
-        return RecordedRun(name=self.name, run=self.run, time=seconds, angle=self.motion.angle)
+        return RecordedRun(
+            name=self.name,
+            run=self.run,
+            time=seconds,
+            angle=self.motion.angle,
+            defects=self.defects,
+            unverified=self.integrity.ok is None,
+        )
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""

@@ -193,6 +193,13 @@ def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs)
     assert ('lie outside of it' in text) != is_within
 
 
+def test_what_is_missing_in_a_bag_stands_in_the_report(runs, content):
+    lacking = replace(runs[0], defects=('steps 7 to 9 of run 1: missing',), unverified=True)
+    page = as_html(replace(content, runs=(lacking, *runs[1:])))
+    assert f'{runs[0].name}: steps 7 to 9 of run 1: missing.' in page
+    assert f'unverified, as no digest is recorded with them: {runs[0].name}.' in page
+
+
 def test_swing_begins_where_it_was_let_go(runs):
     for recorded in runs:
         swing = recorded.free_swing()

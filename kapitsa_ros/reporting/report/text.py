@@ -54,7 +54,7 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     text = template.render(
         content=content,
         timings=timings,
-        repairs=repairs({'timings': timings}),
+        repairs=[*_of_records(content), *repairs({'timings': timings})],
         allowances=allowances(
             asdict(content.assumptions),
             curve.play_probability if curve else None,
@@ -116,3 +116,11 @@ def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0,
     if interval is None:
         return ''
     return interval_text(interval, lambda end: f'{end / unit:.{digits}g}')
+
+
+def _of_records(content: Content) -> list[str]:
+    """Return what is missing in the bags, and which of them nothing verifies, a sentence each."""
+    said = [f'{run.name}: {defect}' for run in content.runs for defect in run.defects]
+    if unverified := [run.name for run in content.runs if run.unverified]:
+        said.append(f'unverified, as no digest is recorded with them: {", ".join(unverified)}')
+    return [_plain(sentence) for sentence in dict.fromkeys(said)]
