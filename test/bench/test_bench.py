@@ -27,7 +27,7 @@ from kapitsa_ros.bench.drawing import draw_dial, draw_marks, draw_rod, draw_rule
 from kapitsa_ros.bench.notebook import Notebook, Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.configuration.instrument_sets import load_instruments
-from kapitsa_ros.configuration.tables import read_table, read_timings
+from kapitsa_ros.configuration.tables import load_timings, read_table, read_timings
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe import StrobeReading
@@ -452,6 +452,19 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
         assert any(said in line for line in state.messages)
     answer = kapitsa('reduce', tmp_path / 'mine.csv', '--json').json
     assert answer['inverse_rpm'] is not None
+    for written, noted in zip(load_timings(tmp_path / 'mine.csv').rows, state.notebook.rows, strict=True):
+        assert (written.speed, written.period) == pytest.approx((noted.forcing_rpm * RPM, noted.period_s), rel=1e-9)
+    kapitsa('report', *bags[:2], '--output', tmp_path / 'report.md')
+    tells_what_was_read((tmp_path / 'report.md').read_text(encoding='utf-8'), read)
+
+
+def tells_what_was_read(report: str, values: dict[str, Any]) -> None:
+    """Assert that a report has the digits of an analysis of the same bags."""
+    assert f'{values["omega_crit_rpm"]:.0f} RPM' in report
+    for timing in values['timings']:
+        period = timing['display_s'] / timing['swings']
+        cells = rf'\| ?{timing["speed_asked_rpm"]:.0f} ?\| ?{timing["speed_reading_rpm"]:.1f} ± \S+ ?\| ?{period:.3f} ± '
+        assert re.search(cells, report), [line for line in report.splitlines() if '±' in line]
 
 
 def test_the_screen_says_what_is_wrong(tmp_path: Path):

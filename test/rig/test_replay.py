@@ -158,7 +158,7 @@ def test_keys_steer_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
             os.write(person, b'\x1b[A' * 10 + b' ')
             audience.watch(lambda: audience.seconds[-1] > 1.0)
             os.write(person, b' ')
-            audience.watch(lambda: audience.call('pause').startswith('paused already'))
+            audience.watch(lambda: audience.call('step').startswith('run 1'))  # refused while time runs
         assert termios.tcgetattr(terminal) == before
     os.close(person)
 

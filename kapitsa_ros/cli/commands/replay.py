@@ -31,9 +31,7 @@ _PLACE = click.FloatRange(0.0, LONGEST)
 @click.option(
     '--start', '--start-offset', 'start', type=_PLACE, default=0.0, show_default=True, help='where to begin, s'
 )
-@click.option(
-    '--end', '--playback-until-sec', 'end', type=_PLACE, default=None, help='where to end, s  [default: the end]'
-)
+@click.option('--end', type=_PLACE, default=None, help='where to end, s  [default: the end]')
 @click.option('--loop', is_flag=True, help='begin again at the end, until Ctrl-C')
 @click.option('--start-paused', is_flag=True, help='wait for the service player/resume, or the space bar')
 @json_option
