@@ -42,9 +42,10 @@ bags: setup
 	rm -rf bags/run_*
 	$(BIN)/kapitsa experiment --preset as_built_1997 --seed 1997 --bags bags
 
-# The virtual experiments on the presets that reports speak of.
+# The virtual experiments on the presets that reports speak of, and the plans for them.
 trials: setup
 	$(BIN)/python -m kapitsa_ros.laboratory.preset_trials
+	$(BIN)/python -m kapitsa_ros.laboratory.preset_plans
 
 bench: setup
 	$(BIN)/python benchmarks/run_all.py

@@ -463,8 +463,10 @@ def tells_what_was_read(report: str, values: dict[str, Any]) -> None:
     assert f'{values["omega_crit_rpm"]:.0f} RPM' in report
     for timing in values['timings']:
         period = timing['display_s'] / timing['swings']
-        cells = rf'\| ?{timing["speed_asked_rpm"]:.0f} ?\| ?{timing["speed_reading_rpm"]:.1f} ± \S+ ?\| ?{period:.3f} ± '
-        assert re.search(cells, report), [line for line in report.splitlines() if '±' in line]
+        asked, shown = timing['speed_asked_rpm'], timing['speed_reading_rpm']
+        assert re.search(rf'\| ?{asked:.0f} ?\| ?{shown:.1f} ± \S+ ?\| ?{period:.3f} ± ', report), [
+            line for line in report.splitlines() if '±' in line
+        ]
 
 
 def test_the_screen_says_what_is_wrong(tmp_path: Path):

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.plant import Plant
 
-_Tried: TypeAlias = 'Sequence[tuple[Cause, Callable[[float], NDArray[np.float64]]]]'
+_Predicted: TypeAlias = 'Callable[[float], NDArray[np.float64]]'
+"""Periods by the value of a cause's parameter."""
+_Tried: TypeAlias = 'Sequence[tuple[Cause, _Predicted]]'
 
 SUPPORT = RISE_95
 """Explanations within this of the best AIC cannot be told from it.
@@ -95,79 +97,91 @@ def explain(readings: Readings, plant: Plant, causes: Sequence[Cause] = CAUSES) 
     """
     require_two_speeds(readings)
     tried = [(cause, _remembered(cause, plant, readings.forcing)) for cause in causes]
-    ranking, chi_squared = _ranked(readings, plant, tried)
-    factors = {'halved': 0.5, 'doubled': 2.0, 'fitted': math.sqrt(chi_squared / max(readings.period.size - 1, 1))}
+    fits = _ranked(readings, plant, tried)
+    criteria = np.array([fit.criterion for fit in fits])
+    weights = np.exp(-0.5 * (criteria - criteria[0]))
+    weights *= 1.0 / weights.sum() if any(fit.fits for fit in fits) else math.nan
+    explanations = tuple(
+        _explanation(fit, readings, plant, float(weight)) for fit, weight in zip(fits, weights, strict=True)
+    )
+    lowest = min(fit.chi_squared for fit in fits)
+    factors = {'halved': 0.5, 'doubled': 2.0, 'fitted': math.sqrt(lowest / max(readings.period.size - 1, 1))}
+    sigma = readings.period_sigma
     with np.errstate(divide='ignore'):
-        most = float((readings.period / readings.period_sigma).min())
-    return replace(
-        ranking,
+        most = float((readings.period / sigma).min())
+    return Ranking(
+        explanations=explanations,
+        indistinguishable=_indistinguishable(fits),
+        period_sigma=(float(sigma.min()), float(sigma.max())),
         with_other_errors=tuple(
             _other_errors(readings, plant, tried, name, factor)
             for name, factor in factors.items()
             if 0.0 < factor < most  # else no period was measured
         ),
+        warnings=_warnings(readings, explanations),
     )
 
 
 def fit_cause(cause: Cause, readings: Readings, plant: Plant) -> Explanation:
     """Fit one cause; its weight, which takes others to weigh it against, is nan."""
-    return replace(_fit(cause, _remembered(cause, plant, readings.forcing), readings, plant), weight=math.nan)
+    fit = _fit(cause, _remembered(cause, plant, readings.forcing), readings, plant)
+    return _explanation(fit, readings, plant, math.nan)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Fit:
+    """One cause at its best value."""
+
+    cause: Cause
+    periods: _Predicted
+    value: float
+    chi_squared: float
+    grid: NDArray[np.float64]
+    costs: NDArray[np.float64]
+    """χ² at the points of the grid."""
+    fits: bool
+    is_candidate: bool
+    """Whether it misfits no more than one that tunes nothing may, however much better another fits."""
+
+    @property
+    def criterion(self) -> float:
+        return self.chi_squared + 2.0 * self.cause.tuned
 
 
 def _other_errors(readings: Readings, plant: Plant, tried: _Tried, name: str, factor: float) -> OtherErrors:
-    ranking, _ = _ranked(replace(readings, period_sigma=factor * readings.period_sigma), plant, tried)
-    first = ranking.explanations[0]
-    return OtherErrors(
-        name=name, factor=factor, best=ranking.indistinguishable or ((first.name,) if first.fits else ())
-    )
+    fits = _ranked(replace(readings, period_sigma=factor * readings.period_sigma), plant, tried)
+    first = (fits[0].cause.name,) if fits[0].fits else ()
+    return OtherErrors(name=name, factor=factor, best=_indistinguishable(fits) or first)
 
 
-def _remembered(cause: Cause, plant: Plant, speeds: NDArray[np.float64]) -> Callable[[float], NDArray[np.float64]]:
+def _remembered(cause: Cause, plant: Plant, speeds: NDArray[np.float64]) -> _Predicted:
     """Return the periods of a cause by its value; what was once worked out is kept."""
     return cache(lambda value: cause.periods(plant, speeds, value))
 
 
-def _ranked(readings: Readings, plant: Plant, tried: _Tried) -> tuple[Ranking, float]:
-    """Return the ranking with the errors stated, and χ² of the best cause that fits by shape, whatever the errors."""
-    causes = [cause for cause, _ in tried]
-    fitted = [_fit(cause, periods, readings, plant) for cause, periods in tried]
-    criteria = np.array([fit.chi_squared + 2.0 * cause.tuned for fit, cause in zip(fitted, causes, strict=True)])
-    weights = np.exp(-0.5 * (criteria - criteria.min()))
-    weights *= 1.0 / weights.sum() if any(fit.fits for fit in fitted) else math.nan
-    order = np.argsort(criteria, kind='stable')
-    ranked = tuple(_weighed(fitted[index], float(weights[index])) for index in order)
-    supported = tuple(
-        fitted[index].name
-        for index in order
-        if fitted[index].fits
-        and (
-            criteria[index] - criteria.min() <= SUPPORT
-            or (not causes[index].tuned and fitted[index].chi_squared <= _largest(readings, causes[index], _EXCLUDED))
-        )
-    )
-    sigma = readings.period_sigma
-    ranking = Ranking(
-        explanations=ranked,
-        indistinguishable=supported if len(supported) > 1 else (),
-        period_sigma=(float(sigma.min()), float(sigma.max())),
-        with_other_errors=(),
-        warnings=_warnings(readings, ranked),
-    )
-    return ranking, float(min(fit.chi_squared for fit in fitted))
+def _ranked(readings: Readings, plant: Plant, tried: _Tried) -> list[_Fit]:
+    """Return the fits, best first."""
+    fits = [_fit(cause, periods, readings, plant) for cause, periods in tried]
+    return sorted(fits, key=lambda fit: fit.criterion)
 
 
-def _fit(
-    cause: Cause, periods: Callable[[float], NDArray[np.float64]], readings: Readings, plant: Plant
-) -> Explanation:
-    def misfit(value: float) -> NDArray[np.float64]:
-        return np.asarray(readings.period - periods(value))
+def _indistinguishable(ranked: list[_Fit]) -> tuple[str, ...]:
+    """Return the names of those that cannot be told from the best, where there are any."""
+    lowest = ranked[0].criterion
+    names = [fit.cause.name for fit in ranked if fit.fits and (fit.criterion - lowest <= SUPPORT or fit.is_candidate)]
+    return tuple(names) if len(names) > 1 else ()
 
-    sigma = _effective_sigma(readings, plant)
 
-    def chi_squared(value: float) -> float:
-        square = (misfit(value) / sigma) ** 2
+def _chi_squared(periods: _Predicted, readings: Readings, sigma: NDArray[np.float64]) -> Callable[[float], float]:
+    def at(value: float) -> float:
+        square = ((readings.period - periods(value)) / sigma) ** 2
         return float(np.where(np.isfinite(square), square, _MISSING).sum())
 
+    return at
+
+
+def _fit(cause: Cause, periods: _Predicted, readings: Readings, plant: Plant) -> _Fit:
+    chi_squared = _chi_squared(periods, readings, _effective_sigma(readings, plant))
     grid = cause.values(plant, readings)
     costs = np.array([chi_squared(float(value)) for value in grid])
     index = int(np.argmin(costs))
@@ -179,23 +193,33 @@ def _fit(
         )
         if found.fun < lowest:
             best, lowest = float(found.x), float(found.fun)
+    return _Fit(
+        cause=cause,
+        periods=periods,
+        value=best,
+        chi_squared=lowest,
+        grid=grid,
+        costs=costs,
+        fits=lowest <= _largest(readings, cause, _REJECTED),
+        is_candidate=not cause.tuned and lowest <= _largest(readings, cause, _EXCLUDED),
+    )
 
-    def excess(value: float) -> float:
-        return chi_squared(value) - lowest - RISE_95
 
-    fits = lowest <= _largest(readings, cause, _REJECTED)
-    tells = fits and bool(cause.parameter)
+def _explanation(fit: _Fit, readings: Readings, plant: Plant, weight: float) -> Explanation:
+    cause, allowed = fit.cause, fit.chi_squared + RISE_95
+    chi_squared = _chi_squared(fit.periods, readings, _effective_sigma(readings, plant))
+    tells = fit.fits and bool(cause.parameter)
     bounded = tells and not cause.discrete
-    seen = misfit(best)
+    misfit = readings.period - fit.periods(fit.value)
     return Explanation(
         name=cause.name,
         parameter=cause.parameter,
-        value=best if tells else None,
-        interval=_interval(cause, excess, best, grid, costs > lowest + RISE_95) if bounded else None,
-        rms_misfit=float(np.sqrt(np.mean(seen**2))),
-        chi_squared=lowest,
-        weight=0.0,
-        fits=fits,
+        value=fit.value if tells else None,
+        interval=_interval(fit, lambda value: chi_squared(value) - allowed, fit.costs > allowed) if bounded else None,
+        rms_misfit=float(np.sqrt(np.mean(misfit**2))),
+        chi_squared=fit.chi_squared,
+        weight=weight,
+        fits=fit.fits,
     )
 
 
@@ -212,22 +236,14 @@ def _effective_sigma(readings: Readings, plant: Plant) -> NDArray[np.float64]:
 
 
 def _interval(
-    cause: Cause,
-    excess: Callable[[float], float],
-    best: float,
-    grid: NDArray[np.float64],
-    outside: NDArray[np.bool_],
+    fit: _Fit, excess: Callable[[float], float], outside: NDArray[np.bool_]
 ) -> tuple[float | None, float | None]:
     """Find the roots of the excess of χ² over its rise, between the points of the grid nearest to the best."""
-    below, above = grid[outside & (grid < best)], grid[outside & (grid > best)]
+    below, above = fit.grid[outside & (fit.grid < fit.value)], fit.grid[outside & (fit.grid > fit.value)]
     return (
-        float(brentq(excess, below[-1], best, rtol=1e-6)) if below.size else cause.least,
-        float(brentq(excess, best, above[0], rtol=1e-6)) if above.size else None,
+        float(brentq(excess, below[-1], fit.value, rtol=1e-6)) if below.size else fit.cause.least,
+        float(brentq(excess, fit.value, above[0], rtol=1e-6)) if above.size else None,
     )
-
-
-def _weighed(fit: Explanation, weight: float) -> Explanation:
-    return replace(fit, weight=weight)
 
 
 def _warnings(readings: Readings, ranked: Sequence[Explanation]) -> tuple[str, ...]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -15,14 +14,14 @@ from kapitsa_ros.analysis.critical_speed import (
     uncertainty_budget,
 )
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
-from kapitsa_ros.analysis.errors import AnalysisError, TableError
+from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
 from kapitsa_ros.analysis.explain import explain
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
-from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
+from kapitsa_ros.analysis.plan import best_separation
 from kapitsa_ros.analysis.timing_row import timing_rows
-from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.laboratory.campaign import perform_all, summarise
+from kapitsa_ros.laboratory.preset_plans import plan_with_1997, shipped_plans
 from kapitsa_ros.laboratory.preset_trials import shipped_outcomes, trial_experiment, trial_plants
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -41,8 +40,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
 
 _Fit = TypeVar('_Fit')
-
-TARGET_PERCENT = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -131,10 +128,11 @@ def gather(
     if np.unique(evidence.timed.forcing).size > 1:
         verdicts.append(('the readings of these runs', explain(evidence.timed, nominal)))
     trials, shipped = [], shipped_outcomes() if experiments is None else {}
+    plans = {} if experiments is not None else shipped_plans()
     for name, each in trial_plants().items():
         on_progress(f'virtual experiments: {name}')
         outcomes = shipped[name] if experiments is None else perform_all(trial_experiment(each), experiments)
-        trials.append(_trial(name, each, list(outcomes)))
+        trials.append(_trial(name, each, list(outcomes), plans))
     on_progress('planning')
     return Content(
         runs=tuple(runs),
@@ -152,7 +150,7 @@ def gather(
         verdicts=tuple(verdicts),
         trials=tuple(trials),
         beforehand=experiments is None,
-        plan=_plan(nominal),
+        plan=_plan(nominal, plans),
         separation=best_separation(of_1997, Plant(), 'inertia_factor', 'large_swing', ranking=verdicts[0][1]),
     )
 
@@ -191,7 +189,7 @@ def _or_none(fit: Callable[[Readings], _Fit], readings: Readings) -> _Fit | None
         return None  # one speed, or no rise
 
 
-def _trial(name: str, plant: Plant, outcomes: Sequence[Outcome]) -> Trial:
+def _trial(name: str, plant: Plant, outcomes: Sequence[Outcome], plans: dict[Plant, Plan | None]) -> Trial:
     truth = omega_crit_with_play(plant)
     lines = [outcome.inverse_ols for outcome in outcomes if outcome.inverse_ols is not None]
     middle, low, high = np.quantile(lines, (0.5, 0.16, 0.84)).tolist() if lines else (np.nan,) * 3
@@ -200,13 +198,11 @@ def _trial(name: str, plant: Plant, outcomes: Sequence[Outcome]) -> Trial:
         truth=truth,
         campaign=summarise(outcomes, truth),
         inverse_ols=(middle, low, high),
-        plan=_plan(plant),
+        plan=_plan(plant, plans),
     )
 
 
-@cache  # the ideal rod's is asked for twice
-def _plan(plant: Plant) -> Plan | None:
-    try:
-        return cheapest_plan(plant, load_instruments('1997'), TARGET_PERCENT)
-    except AnalysisError:
-        return None
+def _plan(plant: Plant, known: dict[Plant, Plan | None]) -> Plan | None:
+    if plant not in known:
+        known[plant] = plan_with_1997(plant)
+    return known[plant]

@@ -12,6 +12,7 @@ from kapitsa_ros import __version__
 from kapitsa_ros.analysis.results import budget_values, timing_values
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.laboratory.preset_plans import TARGET_PERCENT
 from kapitsa_ros.laboratory.preset_trials import AS_BUILT_ON_BEARING
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -19,7 +20,6 @@ from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
 from kapitsa_ros.reporting.explanation import error_sentences
-from kapitsa_ros.reporting.report.content import TARGET_PERCENT
 from kapitsa_ros.reporting.report_tables import repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
