@@ -33,11 +33,11 @@ SUPPORT = RISE_95
 """Explanations within this of the best AIC cannot be told from it.
 
 A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance. Nor
-can one be excluded that tunes nothing and misfits no more than in 19 of 20 tables: those that tune fit noise as well.
+can one be excluded that tunes nothing and misfits no more than in 99 of 100 tables: those that tune fit noise as well.
 """
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
-_EXCLUDED = 0.05  # below which it is no candidate beside a better one
+_EXCLUDED = 0.01  # below which it is no candidate beside a better one
 _MISSING = 1e15  # χ² of a run that could not have been timed
 
 
