@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 RPM = 2 * math.pi / 60
 """rad/s of one revolution a minute."""
+NORMAL_95 = 1.959964
+"""Standard uncertainties to either end of a 95 % interval of a normal distribution."""
 
 _WRITTEN = re.compile(
     r'\s*(?P<number>[+-]?(?:\d+\.?\d*(?:e[+-]?\d+)?|\.\d+(?:e[+-]?\d+)?|inf(?:inity)?|nan))\s*(?P<unit>\S.*?)?\s*',
@@ -86,6 +88,12 @@ def digits_of(u: float) -> int:
     if not (math.isfinite(u) and u > 0.0):
         return 0
     return max(0, 1 - math.floor(math.log10(u)))
+
+
+def decimals_within(interval: tuple[float | None, float | None], unit: float = 1.0) -> int:
+    """Return how many decimals a value has, in a unit, by its 95 % interval; none where an end is unbounded."""
+    low, high = interval
+    return 0 if low is None or high is None else digits_of((high - low) / (2.0 * NORMAL_95 * unit))
 
 
 def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fraction(1)) -> float:

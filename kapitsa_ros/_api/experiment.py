@@ -52,7 +52,7 @@ class ExperimentResult:
         return describe(
             f'ExperimentResult: {len(self.bags)} run(s), {self.realtime_factor:.0f} times real time',
             speeds_read=speeds_text(self.speed_reading[np.isfinite(self.speed_reading)]),
-            critical_speed=speed_text(self.omega_crit),
+            critical_speed=speed_text(self.omega_crit, self.omega_crit_interval),
             interval=interval_text(self.omega_crit_interval),
             interval_allows_for=allowed(self.values['assumptions']),
             predicted=speed_text(self.predicted),

@@ -96,12 +96,12 @@ class Reduction:
     def __repr__(self) -> str:
         return describe(
             f'Reduction of {self.readings.period.size} readings',
-            exact_curve=speed_text(self.omega_crit),
+            exact_curve=speed_text(self.omega_crit, self.omega_crit_interval),
             its_interval=interval_text(self.omega_crit_interval),
             allowed_for=allowed(asdict(self.assumptions)),
             ols=speed_text(self.ols),
             inverse_ols=speed_text(self.inverse_ols),
-            errors_in_variables=speed_text(self.eiv),
+            errors_in_variables=speed_text(self.eiv, self.eiv_interval),
             interval=interval_text(self.eiv_interval),
             predicted=speed_text(self.predicted),
             warnings='; '.join(self.warnings) or 'none',

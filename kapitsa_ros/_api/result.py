@@ -18,11 +18,14 @@ if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant
 
 
-def speed_text(speed: float | None) -> str:
-    """Return a speed in rad/s and RPM."""
+def speed_text(speed: float | None, interval: tuple[float | None, float | None] | None = None) -> str:
+    """Return a speed in rad/s and RPM, with the digits that its 95 % interval leaves it where it has one."""
     if speed is None or math.isnan(speed):
         return 'none'
-    return f'{speed:.6g} rad/s ({speed / RPM:.6g} RPM)'
+    if interval is None or None in interval:
+        return f'{speed:.6g} rad/s ({speed / RPM:.6g} RPM)'
+    in_si, in_rpm = (units.decimals_within(interval, unit) for unit in (1.0, RPM))
+    return f'{speed:.{in_si}f} rad/s ({speed / RPM:.{in_rpm}f} RPM)'
 
 
 def speeds_text(speeds: NDArray[np.float64]) -> str:
@@ -38,7 +41,7 @@ def interval_text(interval: tuple[float | None, float | None] | None) -> str:
     """Return the ends of an interval of speeds."""
     if interval is None:
         return 'none'
-    return units.interval_text(interval, speed_text)
+    return units.interval_text(interval, lambda end: speed_text(end, interval))
 
 
 def plant_text(plant: Plant) -> str:

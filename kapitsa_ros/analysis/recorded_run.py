@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -22,10 +23,12 @@ _DEAD = 0.2  # of the first swing's width: what is narrower belongs to the end t
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FreeSwing:
-    """What the pendulum did between two holds."""
+    """What the pendulum did between two holds, at one speed asked for."""
 
     released: float
     """Seconds of the run."""
+    until: float
+    """Seconds of the run at which the next one was let go; infinite of the last."""
     time: NDArray[np.float64]
     """Seconds since the release, equidistant, shape (N,)."""
     angle: NDArray[np.float64]
@@ -42,6 +45,8 @@ class RecordedRun:
     """Seconds of the run, equidistant, shape (N,)."""
     angle: NDArray[np.float64]
     """θ, rad, shape (N,)."""
+    asked: tuple[tuple[float, float], ...] = ()
+    """From which second of the run on which ω was asked for, rad/s; nothing where one speed was, all the time."""
     defects: tuple[str, ...] = ()
     """What is missing or damaged in its record, a sentence each."""
     unverified: bool = False
@@ -52,7 +57,9 @@ class RecordedRun:
         return self.angle.size > 1 and bool(np.ptp(self.angle) > 0.0)
 
     def swings(self) -> tuple[FreeSwing, ...]:
-        """Return the stretches of free motion, each from a release on until the pendulum is held again or rests.
+        """Return the stretches of free motion.
+
+        Each lasts from a release until the pendulum is held again or rests, or another speed is asked for.
 
         Raises
         ------
@@ -73,15 +80,27 @@ class RecordedRun:
         np.add.at(still, begins_still, 1)
         np.add.at(still, begins_still[begins_still + held < still.size] + held, -1)
         edges = np.diff(np.concatenate(((0,), np.cumsum(still) == 0, (0,))).astype(np.int64))
-        return tuple(
-            FreeSwing(
-                released=float(self.time[begin]),
-                time=self.time[begin : end + 1] - self.time[begin],
-                angle=self.angle[begin : end + 1],
-            )
+        stretches = [
+            (int(begin), self._end_at_one_speed(int(begin), int(end)))
             for begin, end in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True)
             if end - begin > held  # shorter is the hand that takes the rod
+        ]
+        releases = [float(self.time[begin]) for begin, _ in stretches]
+        return tuple(
+            FreeSwing(
+                released=released,
+                until=until,
+                time=self.time[begin : end + 1] - released,
+                angle=self.angle[begin : end + 1],
+            )
+            for (begin, end), released, until in zip(stretches, releases, [*releases[1:], math.inf], strict=True)
         )
+
+    def _end_at_one_speed(self, begin: int, end: int) -> int:
+        """Return the sample at which another speed was asked for, where that was before the end."""
+        start = float(self.time[begin]) + _HELD
+        change = next((seconds for seconds, _ in self.asked if seconds > start), math.inf)
+        return min(end, int(np.searchsorted(self.time, change)))
 
     def free_swing(self) -> FreeSwing:
         """Return the last of them.
@@ -113,11 +132,15 @@ class RecordedRun:
         return SwingRecord(angle=chosen.angle[:end], period=period, forcing=self.forcing_of(chosen))
 
     def timing_of(self, swing: FreeSwing) -> Timing | None:
-        """Return what was timed of a swing; None where nothing was."""
-        ends = swing.released + float(swing.time[-1]) + _HELD
-        return next((each for each in self.run.timings if swing.released < each.time <= ends), None)
+        """Return what came of a swing; None where nothing was noted."""
+        return next((each for each in self.run.timings if swing.released < each.time <= swing.until), None)
 
     def forcing_of(self, swing: FreeSwing) -> float:
-        """Return the speed that was asked for while a swing lasted, rad/s; where it was changed, the run's last."""
-        timing = self.timing_of(swing)
-        return self.run.speed_asked if timing is None or timing.speed_asked is None else timing.speed_asked
+        """Return the speed that was asked for while a swing lasted, rad/s."""
+        before = [speed for seconds, speed in self.asked if seconds <= swing.released + _HELD]
+        return before[-1] if before else self.run.speed_asked
+
+    def changes_speed(self) -> bool:
+        """Tell whether another speed was asked for after the first release."""
+        swings = self.swings()
+        return bool(swings) and any(seconds > swings[0].released + _HELD for seconds, _ in self.asked)

@@ -241,9 +241,20 @@ class RunBag:
             run=self.run,
             time=seconds,
             angle=self.motion.angle,
+            asked=self._asked(),
             defects=self.defects,
             unverified=self.integrity.ok is None,
         )
+
+    def _asked(self) -> tuple[tuple[float, float], ...]:
+        """Return from which second of the motion on which speed was asked for."""
+        found: list[tuple[float, float]] = []
+        for start in self.motion.stamps_ns[:1].tolist():
+            for _, raw in self._on(COMMAND.name):
+                speed = COMMAND.decode(raw).speed
+                if not found or speed != found[-1][1]:
+                    found.append(((stamp_of(raw) - start) / SECOND, speed))
+        return tuple(found)
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""

@@ -11,7 +11,7 @@ from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.laboratory.preset_trials import shipped_outcomes
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.floquet import slow_frequency_exact
-from kapitsa_ros.units import RPM, interval_text, is_within
+from kapitsa_ros.units import RPM, decimals_within, interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,8 +24,11 @@ def conclusion(values: Mapping[str, Any]) -> list[str]:
     low, high = values['omega_crit_interval_rpm']
     if low is None and high is None:
         return ['These readings bound the critical speed on neither side: time more swings, at several speeds.']
-    interval = interval_text((low, high), '{:.0f}'.format)
-    said = [f'The critical speed is {values["omega_crit_rpm"]:.0f} RPM by these readings, {interval} RPM (95 %).']
+    form = f'{{:.{decimals_within((low, high))}f}}'
+    interval = interval_text((low, high), form.format)
+    said = [
+        f'The critical speed is {form.format(values["omega_crit_rpm"])} RPM by these readings, {interval} RPM (95 %).'
+    ]
     predicted = values['predicted_rpm']
     if is_within(predicted, (low, high)):
         said.append(f'The {predicted:.0f} RPM that theory predicts for the ideal rod agree with that.')

@@ -27,11 +27,22 @@ def unit_of(explanation: Explanation) -> str:
     return _CAUSES[explanation.name].unit
 
 
+HEADINGS = ('cause', 'what is tuned', 'value that fits', '95 %', 'nominal', 'misfit (s)', 'weight')
+
+
 def explanation_table(explanations: Sequence[Explanation], plant: Plant) -> Table:
     """Return all causes, best first, with the values that fit and those of the plant as it should have been."""
     table = Table(title='Single causes of the periods, best first', title_justify='left')
-    for heading in ('cause', 'what is tuned', 'value that fits', '95 %', 'nominal', 'misfit (s)', 'weight'):
+    for heading in HEADINGS:
         table.add_column(heading, justify='left' if heading in ('cause', 'what is tuned') else 'right')
+    for row in explanation_rows(explanations, plant):
+        table.add_row(*row)
+    return table
+
+
+def explanation_rows(explanations: Sequence[Explanation], plant: Plant) -> list[tuple[str, ...]]:
+    """Return the cells of each cause, under `HEADINGS`."""
+    rows: list[tuple[str, ...]] = []
     for each in explanations:
         cause = _CAUSES[each.name]
         factor, unit = _SHOWN.get(cause.unit, (1.0, cause.unit))
@@ -39,7 +50,7 @@ def explanation_table(explanations: Sequence[Explanation], plant: Plant) -> Tabl
         if each.value is not None:
             value = f'{each.value / factor:.3g} {unit}'.strip()
         nominal = cause.nominal_of(plant)
-        table.add_row(
+        row = (
             each.name,
             cause.parameter.removesuffix(f', {cause.unit}'),
             value,
@@ -48,7 +59,8 @@ def explanation_table(explanations: Sequence[Explanation], plant: Plant) -> Tabl
             f'{each.rms_misfit:.3f}' if math.isfinite(each.rms_misfit) else 'none',
             f'{each.weight:.2f}' if math.isfinite(each.weight) else 'none',
         )
-    return table
+        rows.append(row)
+    return rows
 
 
 def _scaled(factor: float, value: float) -> str:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from kapitsa_ros.units import interval_text
+from kapitsa_ros.units import decimals_within, interval_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -26,9 +26,10 @@ def reduction_table(values: Mapping[str, Any]) -> Table:
     for heading in ('by', 'ω_crit', '95 %'):
         table.add_column(heading, justify='left' if heading == 'by' else 'right')
     for label, key, interval in _FITS:
-        value = values[key]
-        ends = '' if interval is None else interval_text(tuple(values[interval]), '{:.0f}'.format)
-        table.add_row(label, 'none' if value is None else f'{value:.1f}', ends)
+        value, bounds = values[key], None if interval is None else tuple(values[interval])
+        form = '{:.1f}' if bounds is None else f'{{:.{decimals_within(bounds)}f}}'
+        ends = '' if bounds is None else interval_text(bounds, form.format)
+        table.add_row(label, 'none' if value is None else form.format(value), ends)
     return table
 
 

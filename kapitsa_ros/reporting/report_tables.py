@@ -11,10 +11,10 @@ from kapitsa_ros.configuration.tables import load_table
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows
-from kapitsa_ros.units import INCH, RPM, interval_text
+from kapitsa_ros.units import INCH, RPM, decimals_within, interval_text
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
 
 _BLANK = ('', '', '')
@@ -55,16 +55,21 @@ def _measurements(values: Mapping[str, Any]) -> Table:
         (f'{omega / RPM:.0f}', f'{period:.2f}', f'{60 / period:.0f}')
         for omega, period in zip(readings.forcing, readings.period, strict=True)
     ]
-    theirs = iter(report)
     ours = _timings(values)
-    runs = [row[0] for row in ours]
-    for index, (run, *measured) in enumerate(ours):
-        # Beside a run of 1997 stands the last timing of ours.
-        beside = next(theirs, _BLANK) if run not in runs[index + 1 :] else _BLANK
-        table.add_row(run, *beside, *measured)
-    for beside in theirs:
-        table.add_row('', *beside, *_BLANK)
+    for row, of_1997 in beside_1997([row[0] for row in ours], len(report)):
+        run, *measured = ('', *_BLANK) if row is None else ours[row]
+        table.add_row(run, *(_BLANK if of_1997 is None else report[of_1997]), *measured)
     return table
+
+
+def beside_1997(runs: Sequence[object], of_1997: int) -> list[tuple[int | None, int | None]]:
+    """Return the rows of Table 2: which of ours, by their runs, stands beside which of 1997.
+
+    Beside a run of 1997 stands the last timing of a run of ours; None where there is none.
+    """
+    theirs = iter(range(of_1997))
+    rows = [(row, next(theirs, None) if run not in runs[row + 1 :] else None) for row, run in enumerate(runs)]
+    return [*rows, *((None, row) for row in theirs)]
 
 
 def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
@@ -121,9 +126,10 @@ def _critical_speed(values: Mapping[str, Any]) -> Table:
     table.add_row('predicted', _number(predicted / RPM, '.1f', ' RPM'), _number(values['predicted_rpm'], '.1f', ' RPM'))
     error = 100 * ((fitted['inverse_rpm'] or 0) / predicted - 1)
     table.add_row('deviation of the fit of 1997', f'{error:+.1f} %', _number(values['error_percent'], '+.1f', ' %'))
-    table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], '.1f', ' RPM'))
-    interval = values['omega_crit_interval_rpm'] or (None, None)
-    ends = 'none' if tuple(interval) == (None, None) else f'{interval_text(tuple(interval), "{:.0f}".format)} RPM'
+    interval = tuple(values['omega_crit_interval_rpm'] or (None, None))
+    form = f'.{decimals_within(interval)}f'
+    table.add_row('best estimate: the exact curve', '', _number(values['omega_crit_rpm'], form, ' RPM'))
+    ends = 'none' if interval == (None, None) else f'{interval_text(interval, f"{{:{form}}}".format)} RPM'
     table.add_row('its 95 % interval', '', ends)
     if values['omega_crit_rpm'] is not None and values['discrepancy_percent'] != 0.0:
         table.add_row(

@@ -85,3 +85,21 @@ def test_a_swing_too_wide_for_that_is_refused_by_the_name_of_its_run():
     )  # fmt: skip
     with pytest.raises(AnalysisError, match=r'^run_01: '):
         evidence_from_motion([RecordedRun(name='run_01', run=run, time=motion.time, angle=motion.angle)], NOMINAL)
+
+
+def test_a_swing_ends_where_another_speed_is_asked_for():
+    first, second = (Release(plant=NOMINAL, speed=rpm * RPM, angle=0.12).sampled(3.0) for rpm in (2400, 1900))
+    time = np.concatenate((first.time, first.time[-1] + second.time[1:]))
+    run = Run(number=1, settings={}, speed_asked=1900 * RPM, release=0.12, readings={}, timings=(), complete=True)
+    recorded = RecordedRun(
+        name='run',
+        run=run,
+        time=time,
+        angle=np.concatenate((first.angle, second.angle[1:])),
+        asked=((0.0, 2400 * RPM), (3.0, 1900 * RPM)),
+    )
+    (swing,) = recorded.swings()
+    assert (swing.released, swing.time[-1]) == pytest.approx((0.0, 3.0))
+    assert recorded.forcing_of(swing) == 2400 * RPM
+    with pytest.raises(AnalysisError, match='the speed was changed in this run'):
+        evidence_from_motion([recorded], NOMINAL)

@@ -47,7 +47,7 @@ def test_the_three_tables_stand_beside_1997():
             '+21.2 %',
             f'{100 * (values["inverse_rpm"] / values["predicted_rpm"] - 1):+.1f} %',
         ],
-        'best estimate: the exact curve': ['', f'{values["omega_crit_rpm"]:.1f} RPM'],
+        'best estimate: the exact curve': ['', f'{values["omega_crit_rpm"]:.0f} RPM'],
         'its 95 % interval': ['', f'{low:.0f} to {high:.0f} RPM'],
         'exact threshold of the plant simulated': ['', '1594.92 RPM'],
         'deviation of the best estimate from it': ['', f'{values["deviation_percent"]:+.2f} %'],

@@ -88,7 +88,7 @@ def test_tables_and_figures_of_1997_stand_beside_the_runs(page, runs):
     for figure in ('1640.0', '1636.2', '1353.06', '+21.2 %', f'{runs[0].run.period:.3f}'):
         assert figure in reader.text
     fit = direct_fit(evidence_of(timing_rows([run.run for run in runs])), ruler_of(runs[0].run))
-    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert f'{fit.omega_crit / RPM:.0f} RPM' in reader.text
     assert 'inertia factor, large swing, amplitude, stopwatch scale' in reader.text
 
 
@@ -106,7 +106,7 @@ def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
     reader = _Reader()
     reader.feed(as_html(of_one_bag))
     fit = direct_fit(evidence_of(timing_rows([runs[0].run])), ruler_of(runs[0].run))
-    assert f'{fit.omega_crit / RPM:.1f} RPM' in reader.text
+    assert f'{fit.omega_crit / RPM:.0f} RPM' in reader.text
     assert 'Single causes against the readings of these runs' not in reader.text
 
 
@@ -144,7 +144,7 @@ def test_all_formats_say_the_same(of_one_bag, page, tmp_path):
     reader.feed(as_html(of_one_bag))
     for title in re.findall(r'^\*\*(Table \d.*)\*\*$|^## (.*)$', text, re.MULTILINE):
         assert ''.join(title) in reader.text
-    best = f'{of_one_bag.curve.omega_crit / RPM:.1f} RPM'
+    best = f'{of_one_bag.curve.omega_crit / RPM:.0f} RPM'
     assert best in text
     assert best in reader.text
     drawn = [base64.b64decode(data).decode() for data in re.findall(r'image/svg\+xml;base64,([^)]*)', text)]
@@ -197,7 +197,7 @@ def test_what_is_missing_in_a_bag_stands_in_the_report(runs, content):
     lacking = replace(runs[0], defects=('steps 7 to 9 of run 1: missing',), unverified=True)
     page = as_html(replace(content, runs=(lacking, *runs[1:])))
     assert f'{runs[0].name}: steps 7 to 9 of run 1: missing.' in page
-    assert f'unverified, as no digest is recorded with them: {runs[0].name}.' in page
+    assert f'Unverified, as no digest is recorded with them: {runs[0].name}.' in page
 
 
 def test_swing_begins_where_it_was_let_go(runs):

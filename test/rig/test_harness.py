@@ -16,6 +16,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
 
+from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network import registry
 from kapitsa_ros.operator.errors import RequestError
@@ -107,6 +108,11 @@ def test_a_manual_run_is_replayed_to_the_same_digits(lab: Rig) -> None:
     assert [speed for speed, _ in each] == pytest.approx([2400, 2600], abs=1)
     assert [period for _, period in each] == pytest.approx(periods)
     assert read['omega_crit_rpm'] == pytest.approx(1354.8, abs=0.5)
+    recorded = bag.recorded
+    swings = [swing for swing in recorded.swings() if recorded.timing_of(swing) is not None]
+    assert [recorded.forcing_of(swing) / RPM for swing in swings] == pytest.approx([2400, 2600])
+    slow = [ESTIMATORS[DEFAULT_ESTIMATOR](recorded.living_swing(swing), 0.0).value for swing in swings]
+    assert slow == pytest.approx([2 * math.pi / period for period in periods], rel=2e-3)
 
 
 def test_a_reset_begins_anew(lab: Rig) -> None:

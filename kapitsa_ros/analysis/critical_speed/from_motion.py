@@ -52,7 +52,7 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
     fell: list[Bound] = []
     for recorded in runs:
         run = recorded.run
-        if any(timing.speed_asked != run.speed_asked for timing in run.timings):
+        if recorded.changes_speed() or any(timing.speed_asked != run.speed_asked for timing in run.timings):
             raise AnalysisError(
                 f'{recorded.name}: the speed was changed in this run, its motion is of no single one: analyse readings'
             )

@@ -20,7 +20,7 @@ from kapitsa_ros.analysis.strobe_alias import dial_sigma
 from kapitsa_ros.operator.scripted_operator import CATCH
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import NORMAL_95, RPM
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 
-NORMAL_95 = 1.959964
 FASTEST = 3000 * RPM
 """rad/s; the fastest the jigsaw of 1997 was thought of (report, section 7)."""
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, StrictUndefined
 
 from kapitsa_ros import __version__
+from kapitsa_ros.analysis.experiment import ideal_rod
 from kapitsa_ros.analysis.results import budget_values, timing_values
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
@@ -19,11 +20,12 @@ from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
-from kapitsa_ros.reporting.explanation import error_sentences
-from kapitsa_ros.reporting.report_tables import repairs
+from kapitsa_ros.reporting.explanation import HEADINGS as CAUSE_HEADINGS
+from kapitsa_ros.reporting.explanation import error_sentences, explanation_rows
+from kapitsa_ros.reporting.report_tables import beside_1997, repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
-from kapitsa_ros.units import INCH, RPM, interval_text, is_within
+from kapitsa_ros.units import INCH, RPM, decimals_within, interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -42,9 +44,9 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     environment = Environment(  # noqa: S701 - Markdown; what becomes HTML of it is escaped there
         undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.globals.update(error_sentences=error_sentences, is_within=is_within)
+    environment.globals.update(error_sentences=error_sentences, explanation_rows=explanation_rows, is_within=is_within)
     environment.filters.update(
-        rpm=_rpm, inch=_inch, number=_number, ends=_ends, plain=_plain, sentence=_sentence,
+        rpm=_rpm, rpm_within=_rpm_within, inch=_inch, number=_number, ends=_ends, plain=_plain, sentence=_sentence,
         budget_rows=budget_rows, budget_sentences=budget_sentences,
     )  # fmt: skip
     template = environment.from_string(resource_path('config', 'report', 'report.md').read_text(encoding='utf-8'))
@@ -54,6 +56,7 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     text = template.render(
         content=content,
         timings=timings,
+        measurements=beside_1997([timing['run'] for timing in timings], content.of_1997.period.size),
         repairs=[*_of_records(content), *repairs({'timings': timings})],
         allowances=allowances(
             asdict(content.assumptions),
@@ -64,6 +67,8 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
         budget=None if content.budget is None else budget_values(content.budget),
         budget_headings=HEADINGS,
         report=report,
+        nominal=ideal_rod(content.plant),
+        cause_headings=CAUSE_HEADINGS,
         plant=_items(Plant, asdict(content.plant)),
         instruments=_instruments(content.runs[0].run),
         seeds=list(dict.fromkeys(run.run.settings['strobe'].get('seed', 'not recorded') for run in content.runs)),
@@ -112,15 +117,19 @@ def _number(value: float | None, digits: int = 3) -> str:
     return '' if value is None else f'{value:.{digits}g}'
 
 
-def _ends(interval: tuple[float | None, float | None] | None, unit: float = 1.0, digits: int = 4) -> str:
+def _ends(interval: tuple[float | None, float | None] | None) -> str:
     if interval is None:
         return ''
-    return interval_text(interval, lambda end: f'{end / unit:.{digits}g}')
+    return interval_text(interval, lambda end: _rpm(end, decimals_within(interval, RPM)))
+
+
+def _rpm_within(speed: float | None, interval: tuple[float | None, float | None] | None) -> str:
+    return _rpm(speed) if interval is None else _rpm(speed, decimals_within(interval, RPM))
 
 
 def _of_records(content: Content) -> list[str]:
     """Return what is missing in the bags, and which of them nothing verifies, a sentence each."""
     said = [f'{run.name}: {defect}' for run in content.runs for defect in run.defects]
     if unverified := [run.name for run in content.runs if run.unverified]:
-        said.append(f'unverified, as no digest is recorded with them: {", ".join(unverified)}')
+        said.append(f'Unverified, as no digest is recorded with them: {", ".join(unverified)}')
     return [_plain(sentence) for sentence in dict.fromkeys(said)]
