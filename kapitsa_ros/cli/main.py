@@ -11,6 +11,7 @@ import click
 
 from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
+from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
@@ -50,7 +51,7 @@ def main() -> None:
     write_out_unknown_signs()
     forget_useless_width()
     try:
-        kapitsa.main(prog_name='kapitsa', standalone_mode=False)
+        kapitsa.main(prog_name='kapitsa', standalone_mode=False, obj=OWN_PROCESS)
     except click.UsageError as error:
         where = error.ctx.command_path if error.ctx is not None else 'kapitsa'
         _leave(f'{error.format_message()} (see {where} --help)', WRONG_INPUT)

@@ -16,19 +16,53 @@ import socket
 import sys
 import traceback
 import warnings
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from importlib import import_module
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import setproctitle
 
 from kapitsa_ros.ros.arguments import NO_LOG_FILES, PARENT_OPTION
 from kapitsa_ros.ros.signals import SIGNALS, leave_on_signals
 
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 DESCRIPTORS = 4
 """That come with a request."""
 START = b'start'
 """The datagram of a request."""
+MODULE = 'kapitsa_ros.rig.fork_server'
+"""Name under which this module is run, and under which `ps` shows it."""
+
+
+@contextmanager
+def forking() -> Iterator[None]:
+    """Hold back signals: one that comes before Python has made itself at home in the child would be lost."""
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore', DeprecationWarning)  # Python 3.12 warns of LTTng's threads
+            yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+
+
+def serve_forked(requests: socket.socket) -> NoReturn:
+    """Be, in a process forked from a program, what this module is when it is run."""
+    leave_on_signals()
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+    os.setsid()
+    number = requests.detach()
+    null = os.open(os.devnull, os.O_RDWR)
+    for stream in (0, 1):
+        os.dup2(null, stream)
+    os.closerange(3, number)
+    os.closerange(number + 1, os.sysconf('SC_OPEN_MAX'))
+    setproctitle.setproctitle(' '.join([sys.executable, '-m', MODULE, str(number)]))
+    with socket.socket(fileno=number) as asking:
+        serve(asking)
+    _leave(0)
 
 
 def serve(requests: socket.socket) -> None:
@@ -83,14 +117,8 @@ def _tell(report: int, text: str, *descriptors: int) -> None:
 def _fork(files: list[int], requests: socket.socket) -> tuple[int, int]:
     """Make a process that becomes the node; return its id and a descriptor of it."""
     parent = os.getpid()
-    # A signal that comes before Python has made itself at home in the child would be lost.
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, SIGNALS)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter('ignore', DeprecationWarning)  # Python 3.12 warns of LTTng's threads
-            pid = os.fork()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+    with forking():
+        pid = os.fork()
     if not pid:
         status = 1
         try:

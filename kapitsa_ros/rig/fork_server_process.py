@@ -1,40 +1,83 @@
-"""The process that nodes are forked from: one a program, for all its rigs, as long as there is one."""
+"""The process that nodes are forked from: one a program, for all its rigs, as long as there is one.
+
+A program that has done nothing yet but load forks it from itself, as the command line does: what both need is loaded
+once. Else it is a new process: a program may have opened DDS or started threads, neither of which survives a fork.
+"""
 
 from __future__ import annotations
 
 import json
+import multiprocessing
 import socket
 import subprocess
 import sys
 import threading
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.file_in_memory import file_in_memory
-from kapitsa_ros.rig.fork_server import START
+from kapitsa_ros.rig.fork_server import MODULE, START, forking, preload, serve_forked
 from kapitsa_ros.rig.forked_process import ForkedProcess
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-class ForkServerProcess:
-    """The process that nodes are forked from. It ends when it is closed, or with this program."""
+class _Process(Protocol):
+    pid: int
 
-    def __init__(self) -> None:
+    def poll(self) -> int | None: ...
+    def wait(self) -> object: ...
+
+
+class _Forked:
+    """A process forked from this program, asked as one of `subprocess` is."""
+
+    def __init__(self, requests: socket.socket) -> None:
+        preload()
+        # A daemon: it may not outlive the program, whatever ends that.
+        fork = multiprocessing.get_context('fork').Process(target=serve_forked, args=(requests,), daemon=True)
+        with forking():
+            fork.start()
+        assert fork.pid is not None  # noqa: S101  # it was started
+        self.pid = fork.pid
+        self._fork = fork
+
+    def poll(self) -> int | None:
+        return self._fork.exitcode
+
+    def wait(self) -> None:
+        self._fork.join()
+
+
+def _spawned(requests: socket.socket) -> _Process:
+    return subprocess.Popen(  # noqa: S603
+        [sys.executable, '-m', MODULE, str(requests.fileno())],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        start_new_session=True,
+        pass_fds=(requests.fileno(),),
+    )
+
+
+class ForkServerProcess:
+    """The process that nodes are forked from. It ends when it is closed, or with this program.
+
+    Parameters
+    ----------
+    from_here
+        Whether it is forked from this program, which has no other thread and nothing of DDS yet.
+
+    """
+
+    def __init__(self, *, from_here: bool = False) -> None:
         self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.users = 0
         """Contexts of `fork_server` under way."""
         with theirs:
-            self._process = subprocess.Popen(  # noqa: S603
-                [sys.executable, '-m', 'kapitsa_ros.rig.fork_server', str(theirs.fileno())],
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
-                start_new_session=True,
-                pass_fds=(theirs.fileno(),),
-            )
+            self._process: _Process = _Forked(theirs) if from_here else _spawned(theirs)
 
     @property
     def pid(self) -> int:
@@ -88,15 +131,21 @@ _shared: ForkServerProcess | None = None
 
 
 @contextmanager
-def fork_server() -> Iterator[ForkServerProcess]:
+def fork_server(*, from_here: bool = False) -> Iterator[ForkServerProcess]:
     """Give the program's server, which lives as long as one of these contexts.
 
     Several rigs one after the other start faster in a context of their own around all of them.
+
+    Parameters
+    ----------
+    from_here
+        Whether it may be forked from this program, which has no other thread and nothing of DDS yet.
+
     """
     global _shared  # noqa: PLW0603  # there is one a program
     with _lock:
         if _shared is None or _shared.has_ended():
-            _shared = ForkServerProcess()
+            _shared = ForkServerProcess(from_here=from_here)
         server = _shared
         server.users += 1
     try:

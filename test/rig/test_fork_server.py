@@ -3,6 +3,8 @@
 import os
 import select
 import signal
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import closing
 from pathlib import Path
@@ -40,9 +42,41 @@ def test_before_a_fork_there_is_nothing_of_dds(domain: int, shared_memory_of: Ca
         assert nodes['strobe'].wait_for_line('joins domain', PATIENCE)
         assert shared_memory_of([nodes['strobe'].pid])
         assert not shared_memory_of([server.pid])
-        links = {str(link.readlink()) for link in Path(f'/proc/{server.pid}/fd').iterdir()}
-        ports = {f'socket:[{line.split()[9]}]' for line in Path('/proc/net/udp').read_text().splitlines()[1:]}
-        assert not links & ports
+        assert not udp_sockets(server.pid)
+
+
+def udp_sockets(pid: int) -> set[str]:
+    links = {str(link.readlink()) for link in Path(f'/proc/{pid}/fd').iterdir()}
+    return links & {f'socket:[{line.split()[9]}]' for line in Path('/proc/net/udp').read_text().splitlines()[1:]}
+
+
+def children(pid: int) -> list[int]:
+    return [int(child) for child in Path(f'/proc/{pid}/task/{pid}/children').read_text().split()]
+
+
+def test_the_command_line_forks_nodes_from_itself(tmp_path: Path, eventually: Callable[..., None]) -> None:
+    """Nothing of it goes on in the copy, and it says so where the copy is killed."""
+    command = [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '1', '--bags', str(tmp_path / 'bags')]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as program:
+        eventually(lambda: (tmp_path / 'bags').is_dir() and list((tmp_path / 'bags').iterdir()))
+        [server] = children(program.pid)
+        shown = Path(f'/proc/{server}/cmdline').read_text().rstrip('\0')
+        assert ' -m kapitsa_ros.rig.fork_server ' in shown
+        assert {Path(f'/proc/{node}/comm').read_text().strip() for node in children(server)} == set(ROLE_NAMES)
+        assert udp_sockets(program.pid)
+        assert not udp_sockets(server)
+        watches = [os.pidfd_open(node) for node in children(server)]
+        os.kill(server, signal.SIGKILL)
+        said, complaint = program.communicate(timeout=PATIENCE)
+        assert (program.returncode, said) == (1, '')
+        assert (
+            complaint.rstrip()
+            .splitlines()[-1]
+            .startswith('kapitsa: error: the process that the nodes were forked from')
+        )
+        for watch in watches:
+            assert select.select([watch], [], [], PATIENCE)[0]
+            os.close(watch)
 
 
 def test_a_node_is_known_by_its_role_and_has_its_own_domain() -> None:

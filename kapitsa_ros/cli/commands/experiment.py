@@ -45,9 +45,11 @@ def experiment(
 ) -> None:
     """Run the laboratory: seven nodes carry out the protocol, each run is recorded to a bag, and all are reduced."""
     from kapitsa_ros.cli.foreign_output import foreign_output_on_stderr  # noqa: PLC0415
+    from kapitsa_ros.cli.node_server import node_server  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
 
-    with shown_progress(len(load_protocol(protocol).runs)) as on_progress, foreign_output_on_stderr():
+    runs = len(load_protocol(protocol).runs)
+    with node_server(), shown_progress(runs) as on_progress, foreign_output_on_stderr():
         found = call(
             plant,
             instruments=instruments,

@@ -52,6 +52,7 @@ def replay(
     change the rate by 10 %.
     """
     from kapitsa_ros.cli.foreign_output import foreign_output_on_stderr  # noqa: PLC0415
+    from kapitsa_ros.cli.node_server import node_server  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.recording.reader import runs_of  # noqa: PLC0415
     from kapitsa_ros.rig.session import replay_bags  # noqa: PLC0415  # rclpy takes its time
@@ -70,7 +71,7 @@ def replay(
             begin, finish = values['played_s']
             click.echo(f'Played from {begin:g} to {finish:g} s; the analysis is of all that was recorded until then.')
 
-    with shown_progress(len(bags)) as on_progress, foreign_output_on_stderr() as own_output:
+    with node_server(), shown_progress(len(bags)) as on_progress, foreign_output_on_stderr() as own_output:
 
         def show_early(values: dict[str, Any]) -> None:
             with own_output():

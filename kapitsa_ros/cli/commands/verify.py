@@ -27,10 +27,14 @@ if TYPE_CHECKING:
 def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: bool) -> None:
     """Compute recorded runs again from commands, settings and seed, and compare every message to the last bit."""
     from kapitsa_ros._api.verify import verify as call  # noqa: PLC0415
+    from kapitsa_ros.cli.node_server import node_server  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
     from kapitsa_ros.ros.parameters import versions  # noqa: PLC0415
 
-    with shown_progress(len(bags)) if graph else nullcontext() as on_progress:
+    with (
+        node_server() if graph else nullcontext(),
+        shown_progress(len(bags)) if graph else nullcontext() as on_progress,
+    ):
         runs = call(bags, digest, graph=graph, on_progress=on_progress)
     values = [_values(run, versions()) for run in runs]
     for run in runs:
