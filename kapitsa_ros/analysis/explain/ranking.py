@@ -33,7 +33,8 @@ SUPPORT = RISE_95
 """Explanations within this of the best AIC cannot be told from it.
 
 A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance. Nor
-can one be excluded that tunes nothing and misfits no more than in 99 of 100 tables: those that tune fit noise as well.
+can one be excluded that tunes nothing, or only among given values, and misfits no more than in 99 of 100 tables: those
+that tune freely fit noise as well.
 """
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
@@ -141,7 +142,7 @@ class _Fit:
     """χ² at the points of the grid."""
     fits: bool
     is_candidate: bool
-    """Whether it misfits no more than one that tunes nothing may, however much better another fits."""
+    """Whether its values are given ones, and it misfits no more than they may, however much better another fits."""
 
     @property
     def criterion(self) -> float:
@@ -201,7 +202,7 @@ def _fit(cause: Cause, periods: _Predicted, readings: Readings, plant: Plant) ->
         grid=grid,
         costs=costs,
         fits=lowest <= _largest(readings, cause, _REJECTED),
-        is_candidate=not cause.tuned and lowest <= _largest(readings, cause, _EXCLUDED),
+        is_candidate=cause.discrete and lowest <= float(chdtri(readings.period.size, _EXCLUDED)),
     )
 
 
