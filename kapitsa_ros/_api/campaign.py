@@ -4,17 +4,21 @@ from __future__ import annotations
 
 import time
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kapitsa_ros._api.inputs import as_assumptions, as_instruments, as_plant, as_protocol
 from kapitsa_ros._api.result import describe, figures, speed_text
+from kapitsa_ros.configuration.campaign_ranges import ONE_POINT, load_ranges
+from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.data_frame import data_frame
-from kapitsa_ros.laboratory.campaign import Cores, efficiency, perform_all, summarise
+from kapitsa_ros.laboratory.campaign import BATCH, Cores, efficiency, perform_at_points, summarise
+from kapitsa_ros.laboratory.campaign_file import CampaignFile
+from kapitsa_ros.laboratory.campaign_points import campaign_points, identity_of
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
-from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.units import RPM
 
@@ -28,14 +32,19 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.inputs import AnyAssumptions, AnyInstruments, AnyPlant, AnyProtocol
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
+    from kapitsa_ros.laboratory.campaign_points import CampaignPoint
 
-    Progress = Callable[[Iterator[Outcome]], Iterable[Outcome]]
+    Progress = Callable[[Iterator[Outcome], int], Iterable[Outcome]]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class CampaignResult:
     """What many experiments came to; speeds in rad/s, arrays of shape (N,) with an entry an experiment."""
 
+    points: tuple[CampaignPoint, ...]
+    """Where nothing is varied, one."""
+    point: NDArray[np.int64]
+    """Index of the point of each."""
     seed: NDArray[np.int64]
     omega_crit: NDArray[np.float64]
     """nan where the readings gave none."""
@@ -43,9 +52,11 @@ class CampaignResult:
     """Lower end of the 95 % interval; -inf where it is unbounded."""
     high: NDArray[np.float64]
     """Upper end; inf where it is unbounded."""
-    truth: float
-    """Exact threshold of the plant."""
+    failure: tuple[str | None, ...]
+    """Why there is no critical speed; None where there is one."""
     summary: Campaign
+    at_points: tuple[Campaign, ...]
+    """The summary of each point."""
     wall: float
     """s that the experiments took."""
     assumptions: Assumptions
@@ -53,22 +64,31 @@ class CampaignResult:
     efficiency: float
     """Seconds of computing in the experiments over those that the workers had."""
 
+    @property
+    def truth(self) -> float:
+        """Exact threshold of the plant; nan where there are several."""
+        truths = {point.truth for point in self.points}
+        return truths.pop() if len(truths) == 1 else np.nan
+
     def __repr__(self) -> str:
         found = self.summary
         return describe(
             f'CampaignResult: {found.experiments} experiments, {found.failed} without a critical speed',
             median=speed_text(found.omega_crit[0]),
-            truth=speed_text(self.truth),
+            truth=speed_text(self.truth) if np.isfinite(self.truth) else f'of {len(self.points)} points',
             coverage=f'{100.0 * found.coverage:.1f} % of the 95 % intervals hold the truth',
             intervals_allow_for=allowed(asdict(self.assumptions)),
             width=f'{speed_text(found.width)} (median), {found.unbounded} unbounded',
         )
 
     def to_pandas(self) -> pd.DataFrame:
-        """Return a row an experiment."""
+        """Return a row an experiment, with the values of its factors."""
+        each = [self.points[index] for index in self.point.tolist()]
         return data_frame(
             {
+                **{name: [point.factors[name] for point in each] for name in self.points[0].factors},
                 'seed': self.seed,
+                'truth_rad_s': [point.truth for point in each],
                 'omega_crit_rad_s': self.omega_crit,
                 'omega_crit_rpm': self.omega_crit / RPM,
                 'low_rad_s': self.low,
@@ -77,20 +97,28 @@ class CampaignResult:
         )
 
     def plot(self) -> Figure:
-        """Draw how the critical speeds scatter about the truth."""
-        figure: Figure = figures().critical_speeds(self.omega_crit[np.isfinite(self.omega_crit)], self.truth)
+        """Draw how the critical speeds scatter about the truth; where that differs, over it."""
+        seen = np.isfinite(self.omega_crit)
+        if np.isfinite(self.truth):
+            figure: Figure = figures().critical_speeds(self.omega_crit[seen], self.truth)
+        else:
+            truth = np.array([self.points[index].truth for index in self.point.tolist()])
+            figure = figures().deviations_of_critical_speeds(self.omega_crit[seen] / truth[seen])
         return figure
 
 
 def campaign(
     plant: AnyPlant = None,
     *,
-    experiments: int,
+    experiments: int | None = None,
     instruments: AnyInstruments = '1997',
     protocol: AnyProtocol = '1997',
+    ranges: str | Path | None = None,
+    output: str | Path | None = None,
+    resume: bool = False,
     scheduler: str | None = None,
     assumptions: AnyAssumptions = None,
-    progress: Progress = iter,
+    progress: Progress | None = None,
 ) -> CampaignResult:
     """Carry out many whole experiments in process, and count how often their intervals tell the truth.
 
@@ -99,18 +127,25 @@ def campaign(
     plant
         A `Plant`, or a preset by its name or path; the ideal rod of the report where not given.
     experiments
-        How many, with the seeds 1, 2, 3...
+        How many, with the seeds 1, 2, 3..., at each point of the ranges.
     instruments
         A set, by its name or path, or `Instruments`.
     protocol
         By its name or path.
+    ranges
+        Path of a YAML file with what is varied (see `load_ranges`); its factors replace what the other arguments say.
+    output
+        A Parquet file for the outcomes, which must not be there yet. What is finished is kept beside it, should the
+        campaign end early.
+    resume
+        Go on with what is there.
     scheduler
         Address of a Dask cluster; without it all cores of this machine compute, in processes of their own (a script
         that calls this needs `if __name__ == '__main__':` where processes are spawned).
     assumptions
         What the analysis takes for granted: `Assumptions`, or those that are not the usual ones by their names.
     progress
-        Wraps the outcomes as they come, as `rich.progress.track` does.
+        Wraps the outcomes as they come, as `rich.progress.track` does; its second argument is how many come.
 
     Returns
     -------
@@ -129,27 +164,63 @@ def campaign(
     (4,)
 
     """
-    rod = as_plant(plant)
     simulated = SimulatedExperiment(
-        plant=rod, instruments=as_instruments(instruments), protocol=as_protocol(protocol), seed=0
+        plant=as_plant(plant), instruments=as_instruments(instruments), protocol=as_protocol(protocol), seed=0
     )
-    truth = omega_crit_with_play(rod)
-    workers = DaskCluster(scheduler) if scheduler else Cores()
+    varied = ONE_POINT if ranges is None else load_ranges(Path(ranges))
+    each = experiments if experiments is not None else varied.experiments
+    if each is None:
+        raise ConfigurationError('say how many experiments: `experiments`, or a line of the file of ranges')
+    points = campaign_points(varied, simulated)
     taken = as_assumptions(assumptions)
+    if resume and output is None:
+        raise ConfigurationError('to go on with a campaign takes its output file')
+    file = None
+    if output is not None:
+        identity = identity_of(points, each, asdict(taken))
+        file = CampaignFile(path=Path(output), points=points, experiments=each, identity=identity, resume=resume)
+    workers = DaskCluster(scheduler) if scheduler else Cores()
+    done = 0 if file is None else file.done()
     begin = time.perf_counter()
-    outcomes = list(progress(perform_all(simulated, experiments, workers, taken)))
+    coming = perform_at_points([point.experiment for point in points], each, workers, taken, done)
+    kept = coming if file is None else _kept(coming, file, done)
+    fresh = list(kept if progress is None else progress(kept, each * len(points) - done))
     wall = time.perf_counter() - begin
+    outcomes = fresh if file is None else file.finish()
+    at = [number for number in range(len(points)) for _ in range(each)]
     return CampaignResult(
+        points=points,
+        point=np.array(at),
         seed=np.array([outcome.seed for outcome in outcomes]),
         omega_crit=np.array([outcome.omega_crit for outcome in outcomes], dtype=np.float64),
         low=_ends([outcome.interval[0] for outcome in outcomes], -np.inf),
         high=_ends([outcome.interval[1] for outcome in outcomes], np.inf),
-        truth=truth,
-        summary=summarise(outcomes, truth),
+        failure=tuple(outcome.failure for outcome in outcomes),
+        summary=summarise(outcomes, [points[number].truth for number in at]),
+        at_points=tuple(
+            summarise(outcomes[number * each : (number + 1) * each], [point.truth] * each)
+            for number, point in enumerate(points)
+        ),
         wall=wall,
         assumptions=taken,
-        efficiency=efficiency(outcomes, wall, workers.count),
+        efficiency=efficiency(fresh, wall, workers.count),
     )
+
+
+def _kept(outcomes: Iterator[Outcome], file: CampaignFile, done: int) -> Iterator[Outcome]:
+    """Pass outcomes on and write them as they come, whatever ends them."""
+    waiting: list[Outcome] = []
+    try:
+        for outcome in outcomes:
+            waiting.append(outcome)
+            if len(waiting) == BATCH:
+                file.add(waiting, done)
+                done += len(waiting)
+                waiting = []
+            yield outcome
+    finally:
+        if waiting:
+            file.add(waiting, done)
 
 
 def _ends(ends: list[float | None], unbounded: float) -> NDArray[np.float64]:

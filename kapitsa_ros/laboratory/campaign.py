@@ -6,10 +6,11 @@ import math
 import os
 import signal
 import time
+from collections import deque
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 import numpy as np
 
@@ -18,16 +19,23 @@ from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
+from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.units import is_within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
+    from concurrent.futures import Future
 
-    from kapitsa_ros.analysis.critical_speed import Evidence
+    from kapitsa_ros.analysis.critical_speed import CriticalSpeed, Evidence
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+
+BATCH = 16
+"""Experiments that a worker is given at once."""
+AHEAD = 4
+"""Batches that wait for each worker, so that none is idle."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +50,8 @@ class Outcome:
     inverse_ols: float | None
     seconds: float
     """Of computing."""
+    failure: str | None = None
+    """Why there is no critical speed, in words; None where there is one."""
 
     def covers(self, truth: float) -> bool:
         """Whether the interval holds the truth; an end that is unbounded excludes nothing."""
@@ -65,20 +75,29 @@ class Campaign:
 
 
 def perform(experiment: SimulatedExperiment, seed: int, assumptions: Assumptions = DEFAULT_ASSUMPTIONS) -> Outcome:
-    """Carry out one experiment and reduce its readings."""
+    """Carry out one experiment and reduce its readings; where that is refused, the outcome says why."""
     begin = time.process_time()
-    seeded = replace(experiment, seed=seed)
-    runs = seeded.runs()
-    rows = timing_rows(runs, assumptions.dial_u)
-    found = fit_timings(rows, ruler_of(runs[0]), experiment.plant.gravity, assumptions)
-    fit, evidence = found.best, found.evidence
+    fit: CriticalSpeed | None = None
+    ols = inverse = None
+    failure: str | None = None
+    try:
+        runs = replace(experiment, seed=seed).runs()
+        rows = timing_rows(runs, assumptions.dial_u)
+        found = fit_timings(rows, ruler_of(runs[0]), experiment.plant.gravity, assumptions)
+    except KapitsaError as error:
+        failure = str(error)
+    else:
+        fit = found.best
+        ols, inverse = _line(fit_ols, found.evidence), _line(fit_inverse_ols, found.evidence)
+        failure = 'no swing could be timed' if fit is None else None
     return Outcome(
         seed=seed,
         omega_crit=fit.omega_crit if fit else None,
         interval=fit.interval if fit else (None, None),
-        ols=_line(fit_ols, evidence),
-        inverse_ols=_line(fit_inverse_ols, evidence),
+        ols=ols,
+        inverse_ols=inverse,
         seconds=time.process_time() - begin,
+        failure=failure,
     )
 
 
@@ -87,10 +106,10 @@ class Workers(Protocol):
 
     @property
     def count(self) -> int:
-        """How many experiments are under way at once."""
+        """How many batches are under way at once."""
 
-    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
-        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+    def map(self, function: Callable[[Batch], list[Outcome]], batches: Iterable[Batch]) -> Iterator[list[Outcome]]:
+        """Apply a function to many batches, which are asked for as they are needed; results come in their order."""
 
 
 class Cores:
@@ -98,10 +117,16 @@ class Cores:
 
     count = len(os.sched_getaffinity(0))
 
-    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
-        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+    def map(self, function: Callable[[Batch], list[Outcome]], batches: Iterable[Batch]) -> Iterator[list[Outcome]]:
+        """Apply a function to many batches, which are asked for as they are needed; results come in their order."""
         with ProcessPoolExecutor(self.count, initializer=_leave_interrupts_to_the_parent) as pool:
-            yield from pool.map(function, seeds)
+            under_way: deque[Future[list[Outcome]]] = deque()
+            for batch in batches:
+                under_way.append(pool.submit(function, batch))
+                if len(under_way) > AHEAD * self.count:
+                    yield under_way.popleft().result()
+            while under_way:
+                yield under_way.popleft().result()
 
 
 def _leave_interrupts_to_the_parent() -> None:
@@ -126,21 +151,61 @@ def perform_all(
         Fewer than one experiment.
 
     """
+    yield from perform_at_points([experiment], experiments, workers, assumptions)
+
+
+def perform_at_points(
+    points: Sequence[SimulatedExperiment],
+    experiments: int,
+    workers: Workers | None = None,
+    assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
+    done: int = 0,
+) -> Iterator[Outcome]:
+    """Carry out many experiments at each of several points, with seeds from 1 on at each.
+
+    Outcomes come point by point in the order of their seeds; the first ones that are `done` are left out.
+
+    Raises
+    ------
+    AnalysisError
+        Fewer than one experiment.
+
+    """
     if experiments < 1:
         raise AnalysisError(f'{experiments} experiments: carry out one or more')
-    yield from (workers or Cores()).map(
-        partial(perform, experiment, assumptions=assumptions), range(1, experiments + 1)
-    )
+    function = partial(_perform_batch, assumptions=assumptions)
+    for outcomes in (workers or Cores()).map(function, _batches(points, experiments, done)):
+        yield from outcomes
+
+
+Batch: TypeAlias = 'tuple[SimulatedExperiment, range]'
+"""An experiment, and the seeds with which it is carried out."""
+
+
+def _batches(points: Sequence[SimulatedExperiment], experiments: int, done: int) -> Iterator[Batch]:
+    for number, experiment in enumerate(points):
+        first = min(max(done - number * experiments, 0), experiments)
+        for seed in range(1 + first, experiments + 1, BATCH):
+            yield experiment, range(seed, min(seed + BATCH, experiments + 1))
+
+
+def _perform_batch(batch: Batch, assumptions: Assumptions) -> list[Outcome]:
+    experiment, seeds = batch
+    return [perform(experiment, seed, assumptions) for seed in seeds]
 
 
 def efficiency(outcomes: Sequence[Outcome], wall: float, workers: int) -> float:
     """Return the seconds of computing in the experiments over those that the workers had in `wall` seconds."""
-    return sum(outcome.seconds for outcome in outcomes) / (wall * workers)
+    return sum(outcome.seconds for outcome in outcomes) / (wall * workers) if wall else math.nan
 
 
-def summarise(outcomes: Sequence[Outcome], truth: float) -> Campaign:
-    """Sum up outcomes against the true critical speed, rad/s."""
+def summarise(outcomes: Sequence[Outcome], truth: float | Sequence[float]) -> Campaign:
+    """Sum up outcomes against the true critical speed, rad/s, or that of each."""
+    truths = [truth] * len(outcomes) if isinstance(truth, float) else truth
     given = [outcome for outcome in outcomes if outcome.omega_crit is not None]
+    held = sum(
+        outcome.covers(true) for outcome, true in zip(outcomes, truths, strict=True) if outcome.omega_crit is not None
+    )
     speeds = np.array([outcome.omega_crit for outcome in given], dtype=np.float64)
     quantiles = np.quantile(speeds, (0.5, 0.16, 0.84)) if given else np.full(3, math.nan)
     widths = [
@@ -150,7 +215,7 @@ def summarise(outcomes: Sequence[Outcome], truth: float) -> Campaign:
         experiments=len(outcomes),
         failed=len(outcomes) - len(given),
         omega_crit=(float(quantiles[0]), float(quantiles[1]), float(quantiles[2])),
-        coverage=sum(outcome.covers(truth) for outcome in given) / len(given) if given else math.nan,
+        coverage=held / len(given) if given else math.nan,
         width=float(np.median(widths)) if widths else math.nan,
         unbounded=len(given) - len(widths),
     )

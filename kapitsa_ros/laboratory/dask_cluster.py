@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+from collections import deque
 from contextlib import ExitStack
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.laboratory.campaign import AHEAD
 from kapitsa_ros.laboratory.errors import ClusterError
+from kapitsa_ros.versions import versions
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kapitsa_ros.laboratory.campaign import Outcome
+    from kapitsa_ros.laboratory.campaign import Batch, Outcome
 
 _PATIENCE = '10s'
 
 
 class DaskCluster:
-    """The workers of a running Dask scheduler; each needs this package installed.
+    """The workers of a running Dask scheduler; each needs this package installed, in this version.
 
     Raises
     ------
     ClusterError
-        The `campaign` extra is not installed, nobody answers at the address, or there are no workers.
+        The `campaign` extra is not installed, nobody answers at the address, there are no workers, or one of them has
+        other versions than this program: its digits would not be those of the others.
 
     """
 
@@ -34,16 +38,51 @@ class DaskCluster:
             self._client = Client(address, timeout=_PATIENCE)
         except (OSError, ValueError) as error:
             raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
+        self._address = address
         with ExitStack() as failed_start:
             failed_start.callback(self._client.close)
             self.count = sum(self._client.nthreads().values())
-            """How many experiments are under way at once."""
+            """How many batches are under way at once."""
             if not self.count:
                 raise ClusterError(f'the Dask scheduler at {address} has no workers: start one')
+            self._refuse_other_versions()
             failed_start.pop_all()
 
-    def map(self, function: Callable[[int], Outcome], seeds: Iterable[int]) -> Iterator[Outcome]:
-        """Apply a function to many seeds; outcomes come in the order of the seeds."""
+    def map(self, function: Callable[[Batch], list[Outcome]], batches: Iterable[Batch]) -> Iterator[list[Outcome]]:
+        """Apply a function to many batches, which are asked for as they are needed; results come in their order.
+
+        A batch whose worker is lost is given to another.
+
+        Raises
+        ------
+        ClusterError
+            The scheduler is gone, or a batch has ended several workers.
+
+        """
+        from distributed import KilledWorker  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+        from distributed.client import FutureCancelledError  # noqa: PLC0415
+
         with self._client:
-            for future in self._client.map(function, list(seeds), pure=False):
-                yield future.result()
+            under_way: deque[Any] = deque()
+            try:
+                for batch in batches:
+                    under_way.append(self._client.submit(function, batch, pure=False))
+                    if len(under_way) > AHEAD * self.count:
+                        yield under_way.popleft().result()
+                while under_way:
+                    yield under_way.popleft().result()
+            except KilledWorker as error:
+                raise ClusterError(f'a batch ended its workers, one after the other ({error})') from error
+            except (FutureCancelledError, OSError) as error:
+                raise ClusterError(
+                    f'the Dask scheduler at {self._address} is gone: what was finished is kept'
+                ) from error
+
+    def _refuse_other_versions(self) -> None:
+        ours = versions()
+        for worker, theirs in self._client.run(versions).items():
+            if theirs != ours:
+                pairs = [
+                    f'{name} {theirs.get(name)} for {here}' for name, here in ours.items() if theirs.get(name) != here
+                ]
+                raise ClusterError(f'the worker {worker} has other versions: {", ".join(pairs)}')

@@ -25,11 +25,12 @@ from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
 from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import NodeError, SettingError
-from kapitsa_ros.ros.parameters import declare_set, settings_text, versions
+from kapitsa_ros.ros.parameters import declare_set, settings_text
 from kapitsa_ros.ros.stall_warning import StallWarning
 from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
 from kapitsa_ros.ros.time_control import TimeControl
 from kapitsa_ros.units import RPM
+from kapitsa_ros.versions import versions
 
 if TYPE_CHECKING:
     from kapitsa_ros.operator.command import Command

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kapitsa_ros.laboratory.campaign import Campaign
+    from kapitsa_ros.laboratory.campaign_points import CampaignPoint
 
 _NOMINAL = 0.95
 _SURE = 2.576  # standard deviations: 99 %, two-sided
@@ -33,6 +34,26 @@ def campaign_table(found: Campaign, truth: float) -> Table:
     table.add_row('their median width', 'unbounded' if math.isnan(found.width) else f'{found.width / RPM:.0f} RPM')
     table.add_row('intervals with an unbounded end', str(found.unbounded))
     table.add_row('experiments without a critical speed', str(found.failed))
+    return table
+
+
+def points_table(points: Sequence[CampaignPoint], found: Sequence[Campaign]) -> Table:
+    """Return a row a point: its values, and what its experiments came to."""
+    table = Table(title='Critical speeds at each point', title_justify='left')
+    for heading in ('point', *points[0].factors, 'truth (RPM)', 'median', 'deviation', 'hold', 'width (RPM)', 'failed'):
+        table.add_column(heading.replace('_', ' '), justify='right')
+    for number, (point, each) in enumerate(zip(points, found, strict=True), start=1):
+        given = each.experiments > each.failed
+        table.add_row(
+            str(number),
+            *(value if isinstance(value, str) else f'{value:.4g}' for value in point.factors.values()),
+            f'{point.truth / RPM:.1f}',
+            f'{each.omega_crit[0] / RPM:.1f}' if given else 'none',
+            f'{100.0 * (each.omega_crit[0] / point.truth - 1.0):+.2f} %' if given else '',
+            f'{100.0 * each.coverage:.0f} %' if given else '',
+            f'{each.width / RPM:.0f}' if math.isfinite(each.width) else 'none',
+            str(each.failed),
+        )
     return table
 
 

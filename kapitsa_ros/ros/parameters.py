@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import platform
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from difflib import get_close_matches
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
@@ -168,12 +166,6 @@ def unknown_parameters(node: Node) -> list[str]:
     return [
         f'parameter {name} is unknown{f": {close[0]} may be meant" if close else ""}' for name, close in likely.items()
     ]
-
-
-def versions() -> dict[str, str]:
-    """Return the versions on which the numbers of a run depend."""
-    names = ('kapitsa_ros', 'numpy', 'scipy', 'numba')
-    return {'python': platform.python_version()} | {name: version(name) for name in names}
 
 
 def settings_text(node: str, **settings: Any) -> str:

@@ -29,7 +29,7 @@ def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: 
     from kapitsa_ros._api.verify import verify as call  # noqa: PLC0415
     from kapitsa_ros.cli.node_server import node_server  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
-    from kapitsa_ros.ros.parameters import versions  # noqa: PLC0415
+    from kapitsa_ros.versions import versions  # noqa: PLC0415
 
     with (
         node_server() if graph else nullcontext(),

@@ -1,7 +1,7 @@
 """The report's figures drawn again, and pictures of results; they need matplotlib, which is an extra."""
 
 from kapitsa_ros.reporting.figures.canvas import FORMATS, house_style, save
-from kapitsa_ros.reporting.figures.critical_speeds import critical_speeds
+from kapitsa_ros.reporting.figures.critical_speeds import critical_speeds, deviations_of_critical_speeds
 from kapitsa_ros.reporting.figures.extrapolation import extrapolation
 from kapitsa_ros.reporting.figures.history import angle_history, time_history
 from kapitsa_ros.reporting.figures.report_figures import report_figures
@@ -13,6 +13,7 @@ __all__ = [
     'FORMATS',
     'angle_history',
     'critical_speeds',
+    'deviations_of_critical_speeds',
     'extrapolation',
     'frequency_sweep',
     'house_style',

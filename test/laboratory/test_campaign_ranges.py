@@ -1,0 +1,143 @@
+"""What a campaign varies, and that its file holds the same outcomes whatever has interrupted it."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+import kapitsa_ros as kr
+from kapitsa_ros.configuration.campaign_ranges import load_ranges
+from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.errors import OutputError
+from kapitsa_ros.units import RPM
+
+pa = pytest.importorskip('pyarrow')
+from pyarrow import parquet  # noqa: E402
+
+PATIENCE = 120.0
+
+
+def written(folder: Path, **values: Any) -> Path:
+    path = folder / 'ranges.yaml'
+    path.write_text(yaml.safe_dump(values, sort_keys=False), encoding='utf-8')
+    return path
+
+
+def test_a_grid_has_every_combination_and_units_become_si(tmp_path: Path) -> None:
+    factors = {'preset': ['ideal', 'bearing'], 'clearance': {'from': '0 mm', 'to': '2 mm', 'count': 3}}
+    found = load_ranges(written(tmp_path, factors=factors, experiments=5))
+    assert found.factors == ('preset', 'clearance')
+    assert found.experiments == 5
+    assert found.points == tuple((preset, size) for preset in ('ideal', 'bearing') for size in (0.0, 1e-3, 2e-3))
+
+
+def test_a_list_goes_through_all_factors_at_once(tmp_path: Path) -> None:
+    factors = {'coulomb': [0, 3.0], 'reaction_jitter': ['30 ms', 0.07]}
+    found = load_ranges(written(tmp_path, design='list', factors=factors))
+    assert found.points == ((0.0, 0.03), (3.0, 0.07))
+    assert found.experiments is None
+
+
+def test_a_latin_hypercube_has_one_value_in_each_stratum_and_follows_its_seed(tmp_path: Path) -> None:
+    factors = {'damping': {'from': 1.0, 'to': 5.0}, 'preset': ['ideal', 'bearing']}
+
+    def points(seed: int) -> tuple[tuple[str | float, ...], ...]:
+        path = written(tmp_path, design='latin_hypercube', factors=factors, points=8, seed=seed)
+        return load_ranges(path).points
+
+    damping = np.array([float(point[0]) for point in points(1)])
+    assert sorted(np.floor((damping - 1.0) / 0.5).astype(int)) == list(range(8))
+    assert sorted(str(point[1]) for point in points(1)) == ['bearing'] * 4 + ['ideal'] * 4
+    assert points(1) == points(1) != points(2)
+
+
+@pytest.mark.parametrize(
+    ('values', 'message'),
+    [
+        ({}, 'no factors'),
+        ({'factors': {'coulomb': []}}, 'coulomb: empty'),
+        ({'factors': {'coulomb': {'from': 3, 'to': 3, 'count': 2}}}, 'coulomb: empty, from 3 to 3'),
+        ({'factors': {'coulomb': {'from': 0, 'to': 3}}}, 'give the count'),
+        ({'factors': {'coulomb': [-1]}}, 'coulomb is -1'),
+        ({'factors': {'colour': ['red']}}, 'no factor colour'),
+        ({'factors': {'coulomb': [1]}, 'desing': 'grid'}, 'no key desing'),
+        ({'factors': {'coulomb': [1]}, 'design': 'random'}, "design is 'random'"),
+        ({'factors': {'coulomb': [1], 'damping': [1, 2]}, 'design': 'list'}, '1 of coulomb, 2 of damping'),
+        ({'factors': {'coulomb': [1]}, 'design': 'latin_hypercube'}, 'takes the number of points'),
+        ({'factors': {'coulomb': [1]}, 'points': 3}, 'not of grid'),
+        ({'factors': {'coulomb': [1]}, 'experiments': 0}, 'experiments is 0'),
+        (
+            {'factors': {name: {'from': 0, 'to': 1, 'count': 400} for name in ('coulomb', 'damping')}},
+            '160000 points: at most 100000',
+        ),
+    ],
+)
+def test_ranges_that_cannot_be_are_refused(tmp_path: Path, values: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigurationError, match=message):
+        load_ranges(written(tmp_path, **values))
+
+
+def test_a_point_that_is_no_plant_is_named_before_the_work(tmp_path: Path) -> None:
+    path = written(tmp_path, factors={'coulomb': [1], 'clearance': ['1 mm', '20 mm']}, experiments=1)
+    with pytest.raises(ConfigurationError, match='coulomb = 1, clearance = 0.02: clearance is 0.02 m'):
+        kr.campaign(ranges=path)
+
+
+def test_each_point_is_judged_by_its_own_truth(tmp_path: Path) -> None:
+    """Outcomes are those of the same experiments by themselves."""
+    path = written(tmp_path, factors={'preset': ['ideal', 'as_built_1997']}, experiments=2)
+    found = kr.campaign(ranges=path)
+    assert [point.truth / RPM for point in found.points] == pytest.approx([1354.80, 1594.92], abs=0.01)
+    alone = [kr.campaign(preset, experiments=2).omega_crit for preset in ('ideal', 'as_built_1997')]
+    assert found.omega_crit == pytest.approx(np.concatenate(alone))
+    assert [each.coverage for each in found.at_points] == [1.0, 1.0]
+    assert found.summary.coverage == 1.0
+    assert found.failure == (None,) * 4
+    assert list(found.to_pandas()['preset']) == ['ideal', 'ideal', 'as_built_1997', 'as_built_1997']
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    """Ranges with a protocol of one speed."""
+    protocol = tmp_path / 'one.yaml'
+    protocol.write_text('speeds: [2240 rpm]\nrelease: 0.12 rad\nswings: 3\nrepeats: 1\n', encoding='utf-8')
+    return written(tmp_path, factors={'protocol': [str(protocol)], 'coulomb': [0.0, 8.0]}, experiments=20)
+
+
+def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Path) -> None:
+    whole, cut = tmp_path / 'whole.parquet', tmp_path / 'cut.parquet'
+    kr.campaign(ranges=short, output=whole)
+    command = [sys.executable, '-m', 'kapitsa_ros', 'campaign', '--ranges', str(short), '--output', str(cut)]
+    with subprocess.Popen(command, start_new_session=True, stderr=subprocess.DEVNULL) as program:
+        deadline = time.monotonic() + PATIENCE
+        while not list(tmp_path.glob('cut.parquet.parts/*.parquet')):
+            assert program.poll() is None
+            assert time.monotonic() < deadline
+        os.killpg(program.pid, signal.SIGKILL)
+        assert program.wait() == -signal.SIGKILL
+    assert not cut.exists()
+    with pytest.raises(OutputError, match='an unfinished campaign is there; go on with it by --resume'):
+        kr.campaign(ranges=short, output=cut)
+    with pytest.raises(OutputError, match='of another campaign'):
+        kr.campaign(ranges=short, output=cut, experiments=3, resume=True)
+    resumed = kr.campaign(ranges=short, output=cut, resume=True)
+    assert parquet.read_table(cut).equals(parquet.read_table(whole), check_metadata=True)
+    assert not (tmp_path / 'cut.parquet.parts').exists()
+    again = kr.campaign(ranges=short, output=cut, resume=True)
+    assert again.summary == resumed.summary
+    with pytest.raises(OutputError, match='is there already and stays'):
+        kr.campaign(ranges=short, output=cut)
+    rows = parquet.read_table(whole).to_pylist()
+    assert [row['point'] for row in rows] == [1] * 20 + [2] * 20
+    assert [row['seed'] for row in rows] == [*range(1, 21)] * 2
+    failed = [row for row in rows if row['failure'] is not None]
+    assert failed
+    assert {row['failure'] for row in failed} == {'no swing could be timed'}
+    assert all(row['coulomb'] == 8.0 and row['omega_crit_rpm'] is None for row in failed)
