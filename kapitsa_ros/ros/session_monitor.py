@@ -48,7 +48,7 @@ class SessionMonitor(ListenerNode):
         self._news = threading.Condition()
         self._on_progress = on_progress
         super().__init__(SESSION_MONITOR.name, domain)
-        self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
+        self._node.create_subscription(DiagnosticArray, '/diagnostics', self._take_progress, 10)
         NumberedSubscription(self._node, RESULT, self._take_result, lambda _: None, self.fail)
 
     def time_control(self, owner: str) -> TimeControlClient:

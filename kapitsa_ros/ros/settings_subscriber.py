@@ -20,12 +20,22 @@ LONGEST = 100_000
 
 
 class SettingsSubscriber:
-    """Collects ROLE/settings of each role that describes a run: of all required ones, and of those expected."""
+    """Collects ROLE/settings of each role that describes a run: of all required ones, and of those expected.
 
-    def __init__(self, node: DataflowNode) -> None:
+    Parameters
+    ----------
+    node
+        Who needs them.
+    roles
+        Names of those whose settings are needed, if not of all.
+
+    """
+
+    def __init__(self, node: DataflowNode, roles: tuple[str, ...] | None = None) -> None:
         self.texts: dict[str, str] = {}
         """By role, as published."""
-        self._roles = described_by(role for role in RIG_ROLES if not role.optional or role.name in node.expected)
+        every = described_by(role for role in RIG_ROLES if not role.optional or role.name in node.expected)
+        self._roles = every if roles is None else roles
         self._node = node
         for name in self._roles:
             node.create_subscription(message_class(SETTINGS_TYPE), settings_topic(name), self._taker(name), LATCHED)
