@@ -463,7 +463,9 @@ def tells_what_was_read(report: str, values: dict[str, Any]) -> None:
     assert f'{values["omega_crit_rpm"]:.0f} RPM' in report
     for timing in values['timings']:
         period = timing['display_s'] / timing['swings']
-        cells = rf'\| ?{timing["speed_asked_rpm"]:.0f} ?\| ?{timing["speed_reading_rpm"]:.1f} ± \S+ ?\| ?{period:.3f} ± '
+        cells = (
+            rf'\| ?{timing["speed_asked_rpm"]:.0f} ?\| ?{timing["speed_reading_rpm"]:.1f} ± \S+ ?\| ?{period:.3f} ± '
+        )
         assert re.search(cells, report), [line for line in report.splitlines() if '±' in line]
 
 
