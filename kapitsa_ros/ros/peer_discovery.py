@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from typing import TYPE_CHECKING, Any
 
@@ -56,8 +57,9 @@ class PeerDiscovery:
             self._wait *= 2
             self._next_line = time.monotonic() + self._wait
             domain = self._node.context.get_domain_id()
+            start = 'ros2 run kapitsa_ros' if shutil.which('ros2') else 'kapitsa node'
             self._node.get_logger().info(
-                f'waiting for {", ".join(sorted(missing))} in domain {domain}: start with `kapitsa node NAME`'
+                f'waiting for {", ".join(sorted(missing))} in domain {domain}: start with `{start} NAME`'
             )
         return self.matched
 
