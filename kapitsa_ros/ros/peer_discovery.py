@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.network.registry import readers_of, writer_of
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.node_names import node_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -65,7 +66,7 @@ class PeerDiscovery:
 
     def readers(self, topic: str) -> list[str]:
         """Return the names of the nodes that read a topic."""
-        return sorted(info.node_name for info in self._node.get_subscriptions_info_by_topic(topic))
+        return node_names(self._node.get_subscriptions_info_by_topic(topic))
 
     def _missing(self) -> set[str]:
         missing: set[str] = set()
@@ -81,7 +82,7 @@ class PeerDiscovery:
             writers = self._node.get_publishers_info_by_topic(topic.name)
             if len(writers) > 1:
                 domain = self._node.context.get_domain_id()
-                names = ', '.join(sorted(info.node_name for info in writers))
+                names = ', '.join(node_names(writers))
                 raise NodeError(
                     f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already ({names}); '
                     'choose another ROS_DOMAIN_ID or stop it'

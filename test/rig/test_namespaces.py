@@ -13,11 +13,13 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from std_srvs.srv import Trigger
 
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.rig.environment import on_loopback
 
 pytestmark = pytest.mark.xdist_group('processes')
+REPORTERS = {'/left/player', '/left/analyser', '/right/player', '/right/analyser'}
 BAG = Path(__file__).parents[2] / 'bags' / 'run_01_2240rpm'
 
 
@@ -40,8 +42,12 @@ def test_two_replays_in_one_domain(domain: int, eventually: Callable[[Callable[[
         said.update({status.name: status for status in message.status})
         stamps.append(message.header.stamp.sec * SECOND)
 
+    def heard() -> set[str]:
+        return {name.partition(':')[0] for name in said}
+
     node.create_subscription(DiagnosticArray, '/diagnostics', take, 100)
-    played = ['-p', f'bags:=[{BAG}]', '-p', 'rate:=10.0']
+    resume = [node.create_client(Trigger, f'/{side}/player/resume') for side in ('left', 'right')]
+    played = ['-p', f'bags:=[{BAG}]', '-p', 'start_paused:=true', '-p', 'rate:=0.0']
     processes = [
         started('player', 'left', domain, *played),
         started('analyser', 'left', domain),
@@ -49,18 +55,12 @@ def test_two_replays_in_one_domain(domain: int, eventually: Callable[[Callable[[
         started('analyser', 'right', domain),
     ]
     try:
-        ends = ['/left/player: progress', '/right/player: progress']
-        eventually(
-            lambda: (
-                executor.spin_once(timeout_sec=0.1)
-                or all(
-                    name in said
-                    and {'session_over': 'True'}.items() <= {p.key: p.value for p in said[name].values}.items()
-                    for name in ends
-                )
-            )
-        )
-        assert [process.wait(60.0) for process in processes] == [0, 0, 0, 0]
+        eventually(lambda: executor.spin_once(timeout_sec=0.1) or all(reporter in heard() for reporter in REPORTERS))
+        for client in resume:
+            eventually(lambda client=client: executor.spin_once(timeout_sec=0.1) or client.service_is_ready())
+            client.call_async(Trigger.Request())
+        eventually(lambda: executor.spin_once(timeout_sec=0.1) or None not in [each.poll() for each in processes])
+        assert [each.returncode for each in processes] == [0, 0, 0, 0]
     finally:
         for process in processes:
             process.kill()
@@ -68,8 +68,6 @@ def test_two_replays_in_one_domain(domain: int, eventually: Callable[[Callable[[
         executor.shutdown()
         node.destroy_node()
         context.try_shutdown()
-    assert {name.partition(':')[0] for name in said} == {
-        f'/{side}/{role}' for side in ('left', 'right') for role in ('player', 'analyser')
-    }
+    assert heard() == REPORTERS
     assert all(status.level == DiagnosticStatus.OK for status in said.values())
     assert all(DAY <= stamp <= 2 * DAY for stamp in stamps)  # all of one clock, that of the runs
