@@ -9,7 +9,7 @@ EXTRAS ?= all
 # Whatever is started here keeps to this machine.
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
-.PHONY: setup experiment test test-slow test-oldest lint bench bags trials clean
+.PHONY: setup experiment test test-slow test-oldest test-nightly lint bench bags trials clean
 
 setup: $(VENV)/.done
 
@@ -31,6 +31,9 @@ test-slow: setup
 
 test-oldest:
 	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench
+
+test-nightly: setup
+	.ci/nightly
 
 lint: setup
 	$(BIN)/ruff check .

@@ -85,6 +85,7 @@ DEVELOPMENT = [
     *TEST,
     'colcon-common-extensions',
     'mypy',
+    'pytest-random-order',
     'ruff',
     'setuptools<80',  # colcon-core's limit
     'types-PyYAML',

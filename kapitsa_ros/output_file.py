@@ -16,15 +16,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-def check_output(path: Path, option: str = 'output') -> None:
+def check_output(path: Path, option: str = 'output', *, overwrite: bool = False) -> None:
     """Check that a file can be written, to which the user has given a path by an option of this name.
 
     Raises
     ------
     OutputError
-        Its folder is not there, or it cannot be written.
+        Its folder is not there, it cannot be written, or it holds something and is not to be overwritten.
 
     """
+    if not overwrite and path.is_file() and path.stat().st_size > 0:
+        raise OutputError(
+            f'{OPTION}: is there already; give another name, or --overwrite to replace it', option=option, value=path
+        )
     folder = path.resolve().parent
     if not folder.is_dir():
         raise OutputError(f'{OPTION}: there is no directory {path.parent}: make it first', option=option, value=path)

@@ -1,12 +1,14 @@
 """An installed prefix is one that `ros2 run` understands: index marker, share, executables with their mode."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_packages_with_prefixes
@@ -37,6 +39,28 @@ def index(prefix: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Let the ament index look there."""
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(prefix))
     return prefix
+
+
+RESOLVED = {
+    'ament_index_python', 'builtin_interfaces', 'diagnostic_msgs', 'domain_coordinator', 'launch', 'launch_ros',
+    'mcap-ros2-support', 'python3-click', 'python3-hypothesis', 'python3-numba', 'python3-numpy', 'python3-pytest',
+    'python3-pytest-xdist', 'python3-rich', 'python3-rosbags-pip', 'python3-scipy', 'python3-setproctitle',
+    'python3-yaml', 'rcl_interfaces', 'rclpy', 'rosgraph_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs',
+    'trajectory_msgs',
+}  # fmt: skip
+"""Packages of Jazzy, and keys of rosdep's public list that lead to something on Ubuntu (August 2026)."""
+
+
+def test_rosdep_knows_every_key() -> None:
+    """There is no python3-lz4, and no python3-zstandard, however likely they look."""
+    named = {each.text for each in ET.parse(CHECKOUT / 'package.xml').getroot() if each.tag.endswith('depend')}
+    assert named <= RESOLVED
+    imported = {
+        name
+        for path in [*CHECKOUT.glob('kapitsa_ros/**/*.py'), *CHECKOUT.glob('launch/*.py')]
+        for name in re.findall(r'^ *(?:from|import) (\w+)', path.read_text(encoding='utf-8'), re.MULTILINE)
+    }
+    assert {name for name in imported if name.endswith(('_msgs', '_interfaces', '_srvs')) or 'rcl' in name} <= named
 
 
 def test_the_index_knows_the_package(index: Path) -> None:

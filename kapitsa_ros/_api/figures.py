@@ -11,7 +11,7 @@ from kapitsa_ros._api.inputs import as_plant, as_readings
 from kapitsa_ros._api.result import describe, plant_text
 from kapitsa_ros._api.result import figures as drawing
 from kapitsa_ros.errors import OPTION, OutputError
-from kapitsa_ros.output_file import replacing
+from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.physics.limits import check_forcing
 from kapitsa_ros.quantities import to_si
 
@@ -41,6 +41,7 @@ def figures(
     speed: AnyQuantity = '2500 rpm',
     readings: AnyReadings = '1997',
     format: str | None = None,  # noqa: A002 - the option's name
+    overwrite: bool = False,
     on_progress: Callable[[str], None] = lambda _: None,
 ) -> Figures:
     """Draw Figures 2 to 6 of the report: the same bytes whatever a matplotlibrc says.
@@ -58,6 +59,8 @@ def figures(
         What was measured: a table, by its name or path, or its columns (see `reduce`).
     format
         png, svg or pdf; by the suffix of `output` where not given, and png where that is none of them.
+    overwrite
+        Files that are there may be replaced.
     on_progress
         Called with what is being done.
 
@@ -69,7 +72,7 @@ def figures(
     Raises
     ------
     KapitsaError
-        An input cannot be used, a file cannot be written, or the `report` extra is not installed.
+        An input cannot be used, a file cannot be written or is there already, or the `report` extra is not installed.
 
     Examples
     --------
@@ -87,20 +90,21 @@ def figures(
         raise OutputError(f'{OPTION}: no format: give one of {", ".join(draw.FORMATS)}', option='format', value=kind)
     folder, stem = (target.parent, target.stem) if named else (target, 'figure')
     _check_folder(folder)
+    files = {number: folder / f'{stem}_{number}.{kind}' for number in draw.FIGURES}
+    if folder.is_dir():
+        for file in files.values():
+            check_output(file, overwrite=overwrite)
     forcing = to_si('speed', speed, 'rad/s')
     check_forcing(forcing)
     rod, measured = as_plant(plant), as_readings(readings)
     on_progress('drawing Figures 2 to 6')
     drawn = draw.report_figures(rod, forcing, measured)
     folder.mkdir(parents=True, exist_ok=True)
-    files = []
     for number, figure in drawn.items():
         on_progress(f'writing Figure {number}')
-        file = folder / f'{stem}_{number}.{kind}'
-        with replacing(file) as draft:
+        with replacing(files[number]) as draft:
             draw.save(figure, draft, kind)
-        files.append(file)
-    return Figures(plant=rod, files=tuple(files))
+    return Figures(plant=rod, files=tuple(files.values()))
 
 
 def _check_folder(folder: Path) -> None:

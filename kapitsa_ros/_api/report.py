@@ -47,6 +47,7 @@ def report(
     experiments: int | None = None,
     assumptions: AnyAssumptions = None,
     format: str | None = None,  # noqa: A002 - the option's name
+    overwrite: bool = False,
     on_progress: Callable[[str], None] | None = None,
 ) -> Report:
     """Write a report on recorded runs: Tables 1 to 3 and Figures 2 to 6 beside 1997, the explanation, and a plan.
@@ -65,6 +66,8 @@ def report(
         What is taken for granted: `Assumptions`, or those that are not the usual ones by their names.
     format
         html, md or pdf; by the suffix of `output` where not given, and html where that is none of them.
+    overwrite
+        A file that is there may be replaced.
     on_progress
         Called with what is being worked out.
 
@@ -76,7 +79,8 @@ def report(
     Raises
     ------
     KapitsaError
-        A bag cannot be read, the runs do not belong together, or the `report` extra is not installed.
+        A bag cannot be read, the runs do not belong together, the file is there already, or the `report` extra is not
+        installed.
 
     Examples
     --------
@@ -86,7 +90,7 @@ def report(
 
     """
     page = Path(output)
-    check_output(page)
+    check_output(page, overwrite=overwrite)
     try:
         from kapitsa_ros.reporting.report import WRITERS, gather  # noqa: PLC0415
     except ImportError as error:

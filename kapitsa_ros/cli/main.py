@@ -14,6 +14,7 @@ from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
+from kapitsa_ros.cli.standard_streams import keep_streams_open
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
 
@@ -47,6 +48,7 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
+    keep_streams_open()
     interrupt_on_signals()
     write_out_unknown_signs()
     forget_useless_width()

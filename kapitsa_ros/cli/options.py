@@ -213,6 +213,11 @@ def budget_option(command: Callable[..., Any]) -> Callable[..., Any]:
     )(command)
 
 
+def overwrite_option(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add --overwrite; the command gets `overwrite`."""
+    return click.option('--overwrite', is_flag=True, help='replace files that are there already')(command)
+
+
 def json_option(command: Callable[..., Any]) -> Callable[..., Any]:
     """Add --json; the command gets `as_json`."""
     return click.option('--json', 'as_json', is_flag=True, help='print one JSON object on stdout')(command)

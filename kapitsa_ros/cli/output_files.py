@@ -21,24 +21,25 @@ if TYPE_CHECKING:
 SUFFIXES = '.csv, .npz or .parquet'
 
 
-def check_table_output(path: Path) -> None:
+def check_table_output(path: Path, *, overwrite: bool = False) -> None:
     """Check that a table can be written.
 
     Raises
     ------
     OutputError
-        It cannot be written, its name has another suffix, or it needs pyarrow, which is not installed.
+        It cannot be written or is there already, its name has another suffix, or it needs pyarrow, which is not
+        installed.
 
     """
     if path.suffix not in _WRITERS:
         raise OutputError(f'{OPTION}: the name must end in {SUFFIXES}', option='output', value=path.name)
     if path.suffix == '.parquet' and find_spec('pyarrow') is None:
         raise OutputError(f'{OPTION}: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz', option='output')
-    check_output(path)
+    check_output(path, overwrite=overwrite)
 
 
 def write_table(path: Path, columns: Columns) -> None:
-    """Write columns of one length with all their digits.
+    """Write columns of one length with all their digits, in place of a file that is there.
 
     Raises
     ------
@@ -46,7 +47,7 @@ def write_table(path: Path, columns: Columns) -> None:
         As from `check_table_output`.
 
     """
-    check_table_output(path)
+    check_table_output(path, overwrite=True)
     with replacing(path) as draft:
         _WRITERS[path.suffix](draft, columns)
 

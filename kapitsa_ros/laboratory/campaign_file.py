@@ -50,7 +50,7 @@ class CampaignFile:
 
     def __post_init__(self) -> None:
         _parquet()
-        check_output(self.path)
+        check_output(self.path, overwrite=True)  # what is there is a campaign, and stays
         self._digest = hashlib.sha256(self.identity.encode()).hexdigest().encode()
         self._parts = self.path.with_name(f'{self.path.name}.parts')
         if self.path.exists():

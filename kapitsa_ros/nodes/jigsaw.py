@@ -23,11 +23,10 @@ from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
-from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import NodeError, SettingError
 from kapitsa_ros.ros.parameters import declare_set, settings_text
+from kapitsa_ros.ros.progress_reporter import ProgressReporter
 from kapitsa_ros.ros.stall_warning import StallWarning
-from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
 from kapitsa_ros.ros.time_control import TimeControl
 from kapitsa_ros.units import RPM
 from kapitsa_ros.versions import versions
@@ -60,7 +59,7 @@ class JigsawNode(DataflowNode):
         self._cut_short = 0
         """The last run that a reset has ended; its operator may be ahead of the news."""
         self._clock_publisher = ClockPublisher(self)
-        self._report = Throttle(REPORT_PERIOD)
+        self._progress = ProgressReporter(self, self._time.pace)
         self.latch_settings(
             settings_text(
                 'jigsaw',
@@ -160,8 +159,7 @@ class JigsawNode(DataflowNode):
         """Publish clock and progress, no more often than their readers need."""
         self._time.count(stamp / SECOND)
         self._clock_publisher.publish(stamp)
-        if self._report.due() or step_id.end:
-            self.diagnostics.publish(progress_message('jigsaw', step_id, stamp, self._time.pace))
+        self._progress.tell(step_id, stamp)
 
 
 create = JigsawNode

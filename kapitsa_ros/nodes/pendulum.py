@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.network.registry import COMMAND, MOTION, PENDULUM, PIVOT
+from kapitsa_ros.network.registry import COMMAND, JIGSAW, MOTION, PENDULUM, PIVOT
+from kapitsa_ros.network.settings import settings_topic
+from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
+from kapitsa_ros.ros.model_publisher import ModelPublisher
 from kapitsa_ros.ros.parameters import declare_set, settings_text
+from kapitsa_ros.ros.settings_subscriber import SettingsSubscriber
 from kapitsa_ros.ros.step_node import StepNode
 from kapitsa_ros.schema import describe
 
@@ -34,6 +38,9 @@ class PendulumNode(StepNode):
         self._plant = declare_set(self, Plant, *(item.name for item in describe(Plant) if item.name != 'amplitude'))
         self._pendulum = Pendulum(self._plant)
         self._joint_states = JointStatePublisher(self)
+        self._model = ModelPublisher(self)
+        self._settings_of_jigsaw = SettingsSubscriber(self, (JIGSAW.name,))
+        self._is_described = False
         self.latch_settings(settings_text('pendulum', plant=self._plant))
 
     def work(self, step: Step) -> None:
@@ -52,7 +59,17 @@ class PendulumNode(StepNode):
 
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
+        if self._settings_of_jigsaw.complete and not self._is_described:
+            self._describe()
         return min(super().poll(), self._joint_states.refresh())
+
+    def _describe(self) -> None:
+        self._is_described = True
+        stroke = self._settings_of_jigsaw.parsed()[JIGSAW.name].get('amplitude')
+        try:
+            self._model.publish(self._plant.replaced({'amplitude': stroke}))
+        except (PhysicsError, TypeError) as error:
+            self.refuse(f'{settings_topic(JIGSAW.name)}: {error}')
 
 
 create = PendulumNode

@@ -24,12 +24,12 @@ from kapitsa_ros.recording.playback import Playback, PlayedStep
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.ros.clock_publisher import ClockPublisher
 from kapitsa_ros.ros.dataflow_node import IDLE, DataflowNode
-from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
+from kapitsa_ros.ros.model_publisher import ModelPublisher
 from kapitsa_ros.ros.parameters import declare, declare_set
+from kapitsa_ros.ros.progress_reporter import ProgressReporter
 from kapitsa_ros.ros.qos import LATCHED, message_class
-from kapitsa_ros.ros.throttle import REPORT_PERIOD, Throttle
 from kapitsa_ros.ros.time_control import TimeControl
 
 if TYPE_CHECKING:
@@ -66,8 +66,9 @@ class PlayerNode(DataflowNode):
             node: self.create_publisher(self._text, settings_topic(node), LATCHED)
             for node in self._bags[0].settings_texts
         }
-        self._report = Throttle(REPORT_PERIOD)
+        self._progress = ProgressReporter(self, self._time.pace)
         self._clock_publisher, self._joint_states = ClockPublisher(self), JointStatePublisher(self)
+        ModelPublisher(self).publish(self._bags[0].run.plant)
         self._under_way: deque[StepId] = deque()
         self._emitted: PlayedStep | None = None
         """The last that the analyser was given."""
@@ -117,8 +118,7 @@ class PlayerNode(DataflowNode):
     def _wait(self, step: PlayedStep, *, is_new: bool, is_shown: bool) -> float:
         """Return the seconds until a step is due; IDLE where something else has to happen before."""
         if is_shown and self._time.stands_still and not self._is_sought:
-            if self._report.due():  # whoever starts a replay has to know that it stands, and where
-                self._tell(step.id, step.stamp_ns)
+            self._progress.tell(step.id, step.stamp_ns)  # whoever starts a replay has to know that it stands, and where
             return IDLE
         # A run begins when the one before has been analysed, since settings are not numbered.
         if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):
@@ -147,8 +147,7 @@ class PlayerNode(DataflowNode):
             with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
                 pivot, motion = step.messages[PIVOT.name], step.messages[MOTION.name]
                 self._joint_states.offer(step.stamp_ns, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
-        if self._report.due() or step.id.end:
-            self._tell(step.id, step.stamp_ns)
+        self._progress.tell(step.id, step.stamp_ns)
 
     def _end_of_part(self) -> bool:
         """End the session, once; then begin again, or leave. Return False while steps are being analysed."""
@@ -172,10 +171,7 @@ class PlayerNode(DataflowNode):
         for step_id in ends:
             for topic in REPLAYED:
                 self.emit_silence(topic, step_id, stamp if step_id.run == run else (run + 1) * DAY)
-        self._tell(ends[-1], (run + 1) * DAY)
-
-    def _tell(self, step_id: StepId, stamp_ns: int) -> None:
-        self.diagnostics.publish(progress_message('player', step_id, stamp_ns, self._time.pace))
+        self._progress.tell(ends[-1], (run + 1) * DAY)
 
     def _go_to(self, seconds: float) -> None:
         self._steps = self._playback.steps()

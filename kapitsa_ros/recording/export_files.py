@@ -31,7 +31,7 @@ _UNITS = {'_rad': 'rad', '_rad_s': 'rad/s', '_m': 'm', '_m_s': 'm/s', '_m_s2': '
 _JOINT_STATE = 'sensor_msgs/msg/JointState'
 
 
-def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = ()) -> int:
+def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *, overwrite: bool = False) -> int:
     """Write a run to a file, or its motion to a new bag; return the number of rows or messages.
 
     Parameters
@@ -41,9 +41,11 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = ()) -
     kind
         A name in `FORMATS`.
     output
-        The file, or the folder of the bag; nothing may be there.
+        The file, or the folder of the bag.
     topics
         Names; all that can be had where none is given.
+    overwrite
+        A file that is there may be replaced; a folder never is.
 
     Raises
     ------
@@ -55,9 +57,9 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = ()) -
         The format needs a package of the extra `report`.
 
     """
-    if output.exists():
+    if output.is_dir() or (kind == JOINT_STATES and output.exists()):
         raise OutputError(f'{OPTION}: is there already and stays; give another name', option='output', value=output)
-    check_output(output)
+    check_output(output, overwrite=overwrite)
     if kind == JOINT_STATES:
         return _write_joint_states(bag, output)
     if kind == 'parquet' and find_spec('pyarrow') is None:

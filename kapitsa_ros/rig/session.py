@@ -63,7 +63,7 @@ def run_experiment(
     monitor = watch(setup.roles, parameters(setup), on_progress)
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
-    made = {'protocol': setup.protocol, 'realtime_factor': float(monitor.progress['realtime_factor'])}
+    made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
     return analyse_bags(bags, assumptions) | made
 
 

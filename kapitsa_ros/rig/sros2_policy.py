@@ -18,11 +18,17 @@ VERSION = '0.2.0'
 """Of the policy format."""
 ENCLAVES = '/kapitsa_ros'
 _SETTINGS = tuple(settings_topic(name) for name in described_by())
-_PUBLISHED = {JIGSAW: ('/clock',), PENDULUM: ('joint_states',), PLAYER: ('/clock', 'joint_states', *_SETTINGS)}
-_SUBSCRIBED = {OPERATOR: ('operator/speed', 'operator/release'), ANALYSER: _SETTINGS, RECORDER: _SETTINGS}
+_VIEWED = ('joint_states', 'robot_description')
+_PUBLISHED = {JIGSAW: ('/clock',), PENDULUM: _VIEWED, PLAYER: ('/clock', *_VIEWED, *_SETTINGS)}
+_SUBSCRIBED = {
+    PENDULUM: (settings_topic(JIGSAW.name),),
+    OPERATOR: ('operator/speed', 'operator/release'),
+    ANALYSER: _SETTINGS,
+    RECORDER: _SETTINGS,
+}
 _TIME = tuple(f'~/{name}' for name in SERVICES)
 _ANSWERED = {JIGSAW: (*_TIME, '~/reset'), PLAYER: _TIME}
-_OF_ALL_PUBLISHED = ('diagnostics', '/rosout', '/parameter_events')
+_OF_ALL_PUBLISHED = ('/diagnostics', '/rosout', '/parameter_events')
 _OF_ALL_SUBSCRIBED = ('/clock',)  # where use_sim_time is set
 _OF_ALL_ANSWERED = tuple(
     f'~/{name}'

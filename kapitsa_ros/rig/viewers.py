@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
+from kapitsa_ros.configuration.urdf import urdf
 from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.errors import UsageError
-from kapitsa_ros.rig.urdf import urdf
 
 if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant

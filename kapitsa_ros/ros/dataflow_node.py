@@ -14,11 +14,13 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from kapitsa_ros.errors import shorten
+from kapitsa_ros.network.cdr import stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
+from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.typestore import load_type
-from kapitsa_ros.ros.diagnostics import failure_message, health_message
+from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
@@ -79,8 +81,10 @@ class DataflowNode(Node):
         self._failure: Exception | None = None
         self._refused = 0
         self._held_up = 0
+        self._stamp_ns = DAY
+        """Simulated time of what was emitted last; the first run begins with its day."""
         self._health = Throttle(HEALTH_PERIOD)
-        self.diagnostics = self.create_publisher(DiagnosticArray, 'diagnostics', 10)
+        self.diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._rosout = self.create_publisher(Log, '/rosout', LATCHED)
         self.reads = tuple(topic for topic in role.reads if writers_of(topic) & self.expected)
         if role.reads and not self.reads:
@@ -125,6 +129,7 @@ class DataflowNode(Node):
     def emit_raw(self, topic: Topic[Any], raw: bytes) -> None:
         """Publish one message; a reader that is behind slows the writer, it does not break it."""
         publisher = self._out[topic.name]
+        self._stamp_ns = stamp_of(raw)
         said = False
         while True:
             try:
@@ -173,11 +178,12 @@ class DataflowNode(Node):
                 return
 
     def fail(self, error: Exception) -> None:
-        """Tell whoever watches `diagnostics` or /rosout why this node ends; stderr has its own line."""
-        now, why = self.get_clock().now(), shorten(str(error))
+        """Tell whoever watches `/diagnostics` or /rosout why this node ends; stderr has its own line."""
+        why = shorten(str(error))
         with suppress(RCLError):  # nobody can be told once a signal has shut the context
-            self.diagnostics.publish(failure_message(self.get_name(), now.nanoseconds, why))
-            self._rosout.publish(Log(stamp=now.to_msg(), level=Log.FATAL, name=self.get_logger().name, msg=why))
+            self.diagnostics.publish(failure_message(reporter_name(self), self._stamp_ns, why))
+            now = self.get_clock().now().to_msg()
+            self._rosout.publish(Log(stamp=now, level=Log.FATAL, name=self.get_logger().name, msg=why))
             for publisher in (self.diagnostics, self._rosout):
                 publisher.wait_for_all_acked(PARTING)
 
@@ -186,8 +192,8 @@ class DataflowNode(Node):
         if self._failure is not None:
             raise self._failure
         if self._health.due():
-            now = self.get_clock().now().nanoseconds
-            self.diagnostics.publish(health_message(self.get_name(), now, self._refused, self._held_up))
+            report = health_message(reporter_name(self), self._stamp_ns, self._refused, self._held_up)
+            self.diagnostics.publish(report)
             if self._peers.matched:
                 self._name_strangers()
         return self.advance() if self._peers.ready() else LOOK_PERIOD

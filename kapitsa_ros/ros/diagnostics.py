@@ -1,4 +1,4 @@
-"""How far the rig is and how its nodes are, for whoever watches `diagnostics`."""
+"""How far the rig is and how its nodes are, for whoever watches `/diagnostics`; all stamps are simulated time."""
 
 from __future__ import annotations
 
@@ -11,12 +11,21 @@ from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.clock_publisher import to_time
 
 if TYPE_CHECKING:
+    from rclpy.node import Node
+
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 
 
-def progress_message(node: str, step_id: StepId, stamp_ns: int, pace: RealTimePacer) -> DiagnosticArray:
-    """Return the state of the node that owns time."""
+def reporter_name(node: Node) -> str:
+    """Return the name under which a node reports: in a namespace with it, for `/diagnostics` is everybody's."""
+    return node.get_name() if node.get_namespace() == '/' else node.get_fully_qualified_name()
+
+
+def progress_message(
+    node: str, step_id: StepId, stamp_ns: int, pace: RealTimePacer, *, is_late: bool = False
+) -> DiagnosticArray:
+    """Return the state of the node that owns time; a warning where it has given up time since the last report."""
     values = {
         'run': step_id.run,
         'step': step_id.step,
@@ -26,7 +35,8 @@ def progress_message(node: str, step_id: StepId, stamp_ns: int, pace: RealTimePa
         'deadline_misses': pace.misses,
         'session_over': ends_session(step_id),
     }
-    return _array(f'{node}: progress', stamp_ns, DiagnosticStatus.OK, str(step_id), values)
+    level, text = (DiagnosticStatus.WARN, f'{step_id}, late') if is_late else (DiagnosticStatus.OK, str(step_id))
+    return _array(f'{node}: progress', stamp_ns, level, text, values)
 
 
 def health_message(node: str, stamp_ns: int, refused: int, held_up: int) -> DiagnosticArray:

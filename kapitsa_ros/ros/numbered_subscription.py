@@ -12,6 +12,7 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.registry import writers_of
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.node_names import node_names
 from kapitsa_ros.ros.qos import STREAM, message_class
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class NumberedSubscription:
         self._matched = event.current_count
 
     def _writers(self) -> list[str]:
-        return sorted(info.node_name for info in self._node.get_publishers_info_by_topic(self._topic.name))
+        return node_names(self._node.get_publishers_info_by_topic(self._topic.name))
 
     def _receive(self, raw: bytes, publication: int | None) -> None:
         name = self._topic.name

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 import time
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.network.registry import readers_of, writer_of
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.node_names import node_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -56,14 +58,15 @@ class PeerDiscovery:
             self._wait *= 2
             self._next_line = time.monotonic() + self._wait
             domain = self._node.context.get_domain_id()
+            start = 'ros2 run kapitsa_ros' if shutil.which('ros2') else 'kapitsa node'
             self._node.get_logger().info(
-                f'waiting for {", ".join(sorted(missing))} in domain {domain}: start with `kapitsa node NAME`'
+                f'waiting for {", ".join(sorted(missing))} in domain {domain}: start with `{start} NAME`'
             )
         return self.matched
 
     def readers(self, topic: str) -> list[str]:
         """Return the names of the nodes that read a topic."""
-        return sorted(info.node_name for info in self._node.get_subscriptions_info_by_topic(topic))
+        return node_names(self._node.get_subscriptions_info_by_topic(topic))
 
     def _missing(self) -> set[str]:
         missing: set[str] = set()
@@ -79,7 +82,7 @@ class PeerDiscovery:
             writers = self._node.get_publishers_info_by_topic(topic.name)
             if len(writers) > 1:
                 domain = self._node.context.get_domain_id()
-                names = ', '.join(sorted(info.node_name for info in writers))
+                names = ', '.join(node_names(writers))
                 raise NodeError(
                     f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already ({names}); '
                     'choose another ROS_DOMAIN_ID or stop it'

@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from diagnostic_msgs.msg import DiagnosticArray
 
+from kapitsa_ros.network.cdr import stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import RESULT, SESSION_MONITOR
+from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
+from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
@@ -45,10 +48,11 @@ class SessionMonitor(ListenerNode):
         self.experiment: dict[str, Any] = {}
         """Results of all runs so far together."""
         self._ended = self._over = False
+        self._pace = RealTimePacer(0.0)
         self._news = threading.Condition()
         self._on_progress = on_progress
         super().__init__(SESSION_MONITOR.name, domain)
-        self._node.create_subscription(DiagnosticArray, 'diagnostics', self._take_progress, 10)
+        self._node.create_subscription(DiagnosticArray, '/diagnostics', self._take_progress, 10)
         NumberedSubscription(self._node, RESULT, self._take_result, lambda _: None, self.fail)
 
     def time_control(self, owner: str) -> TimeControlClient:
@@ -74,6 +78,11 @@ class SessionMonitor(ListenerNode):
     def session_over(self) -> bool:
         """Whether the owner of time, or the last result, says that no run follows: a report of progress may be lost."""
         return self._over or self._ended
+
+    @property
+    def realtime_factor(self) -> float:
+        """Simulated over wall seconds, by the analyser's steps: what is said of progress anybody may have said."""
+        return self._pace.realtime_factor
 
     @property
     def is_complete(self) -> bool:
@@ -119,6 +128,7 @@ class SessionMonitor(ListenerNode):
         except WireError:
             return  # not the analyser's: it says nothing this cannot read
         with self._news:
+            self._pace.count(stamp_of(raw) / SECOND)
             for name, values in results.items():
                 if name == 'experiment':
                     self.experiment = dict(values)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.network.registry import PLAYER, RIG_ROLES, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.node_names import node_names
 from kapitsa_ros.ros.qos import LATCHED, message_class
 
 if TYPE_CHECKING:
@@ -20,12 +21,22 @@ LONGEST = 100_000
 
 
 class SettingsSubscriber:
-    """Collects ROLE/settings of each role that describes a run: of all required ones, and of those expected."""
+    """Collects ROLE/settings of each role that describes a run: of all required ones, and of those expected.
 
-    def __init__(self, node: DataflowNode) -> None:
+    Parameters
+    ----------
+    node
+        Who needs them.
+    roles
+        Names of those whose settings are needed, if not of all.
+
+    """
+
+    def __init__(self, node: DataflowNode, roles: tuple[str, ...] | None = None) -> None:
         self.texts: dict[str, str] = {}
         """By role, as published."""
-        self._roles = described_by(role for role in RIG_ROLES if not role.optional or role.name in node.expected)
+        every = described_by(role for role in RIG_ROLES if not role.optional or role.name in node.expected)
+        self._roles = every if roles is None else roles
         self._node = node
         for name in self._roles:
             node.create_subscription(message_class(SETTINGS_TYPE), settings_topic(name), self._taker(name), LATCHED)
@@ -57,7 +68,7 @@ class SettingsSubscriber:
         They are not numbered, and which of two are the node's own cannot be told: so the run is over.
         """
         topic = settings_topic(name)
-        writers = {info.node_name for info in self._node.get_publishers_info_by_topic(topic)}
+        writers = set(node_names(self._node.get_publishers_info_by_topic(topic)))
         if PLAYER.name in self._node.expected and writers == {PLAYER.name}:
             return None
         others = ', '.join(sorted(writers - {name, PLAYER.name})) or 'a node that has left'

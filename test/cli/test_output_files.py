@@ -11,6 +11,8 @@ import pytest
 from click.testing import CliRunner
 
 import kapitsa_ros.reporting.report
+from kapitsa_ros.cli.commands.analyse import analyse
+from kapitsa_ros.cli.commands.bag import bag
 from kapitsa_ros.cli.commands.figures import figures
 from kapitsa_ros.cli.commands.report import report
 from kapitsa_ros.cli.commands.simulate import simulate
@@ -20,6 +22,16 @@ from kapitsa_ros.resources import resource_path
 
 IMPOSSIBLE = ('--speed', '2500', '--release', '0.12', '--duration', '2', '--sample-rate', '0')
 """A run that is refused as soon as it begins."""
+
+SHIPPED = resource_path('bags', 'run_01_2240rpm')
+WRITERS = {
+    'simulate': (simulate, [*IMPOSSIBLE, '--output', 'file.csv']),
+    'analyse': (analyse, [str(SHIPPED), '--table', 'file.csv']),
+    'report': (report, [str(SHIPPED), '--output', 'file.csv']),
+    'figures': (figures, ['--output', 'file.svg']),
+    'export': (bag, ['export', str(SHIPPED), '--format', 'csv', '--output', 'file.csv']),
+}
+"""Every command that writes a file of the user's choice."""
 
 
 @contextmanager
@@ -59,7 +71,7 @@ def test_a_report_that_the_disk_does_not_take_leaves_the_old_one(
     monkeypatch.setattr(kapitsa_ros.reporting.report, 'gather', lambda *_, **__: None)
     monkeypatch.setitem(kapitsa_ros.reporting.report.WRITERS, 'html', lambda _, path: path.write_text('page ' * 10_000))
     file = tmp_path / 'report.html'
-    arguments = [str(resource_path('bags', 'run_01_2240rpm')), '--output', str(file)]
+    arguments = [str(SHIPPED), '--output', str(file), '--overwrite']
     fails_to_write(lambda: CliRunner().invoke(report, arguments, catch_exceptions=False), file)
     assert CliRunner().invoke(report, arguments).exception is None
     assert file.read_text(encoding='utf-8').startswith('page page')
@@ -72,9 +84,32 @@ def test_a_figure_that_the_disk_does_not_take_leaves_the_old_one(
     figure.subplots().imshow(np.random.default_rng(1).random((300, 300)))
     monkeypatch.setattr('kapitsa_ros.reporting.figures.report_figures', lambda *_: {2: figure})
     fails_to_write(
-        lambda: CliRunner().invoke(figures, ['--output', str(tmp_path)], catch_exceptions=False),
+        lambda: CliRunner().invoke(figures, ['--output', str(tmp_path), '--overwrite'], catch_exceptions=False),
         tmp_path / 'figure_2.png',
     )
+
+
+@pytest.mark.parametrize('name', WRITERS)
+def test_what_is_there_is_kept_unless_asked(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    command, arguments = WRITERS[name]
+    for file in ('file.csv', 'file_3.svg'):
+        Path(file).write_text('mine', encoding='utf-8')
+    refusal = CliRunner().invoke(command, arguments).exception
+    assert isinstance(refusal, OutputError)
+    assert '--overwrite' in str(refusal)
+    assert sorted(path.read_text(encoding='utf-8') for path in tmp_path.iterdir()) == ['mine', 'mine']
+
+
+def test_what_is_there_is_replaced_where_asked_and_an_empty_file_unasked(tmp_path: Path) -> None:
+    """A script may get the name of its file from mktemp."""
+    file = tmp_path / 'motion.csv'
+    arguments = ['--speed', '2500', '--release', '0.12', '--duration', '1', '--output', str(file)]
+    file.touch()
+    assert CliRunner().invoke(simulate, arguments).exception is None
+    file.write_text('old', encoding='utf-8')
+    assert CliRunner().invoke(simulate, [*arguments, '--overwrite']).exception is None
+    assert file.read_text(encoding='utf-8').startswith('time_s')
 
 
 @pytest.mark.parametrize('output', ['motion.txt', 'nowhere/motion.csv'])

@@ -1,5 +1,6 @@
 """The command line where the machine gives little: no width, odd names, foreign styles, libraries that talk."""
 
+import json
 import os
 import subprocess
 import sys
@@ -28,6 +29,38 @@ def test_a_closed_stdout_is_left_alone() -> None:
     program = 'from kapitsa_ros.cli.foreign_output import *\nwith foreign_output_on_stderr(): pass\nraise SystemExit(7)'
     done = subprocess.run(['/bin/sh', '-c', 'exec "$@" >&-', '-', sys.executable, '-c', program], check=False)
     assert done.returncode == 7
+
+
+def in_shell(redirection: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, '-m', 'kapitsa_ros', *arguments]
+    shell = ['/bin/sh', '-c', f'exec "$@" {redirection}', '-', *command]
+    return subprocess.run(shell, capture_output=True, text=True, timeout=120, check=False)
+
+
+def test_no_work_fails_of_what_is_said_on_stderr() -> None:
+    """As in a log on a full disk."""
+    done = in_shell('2>/dev/full', 'theory', '--speed', '2240', '--json')
+    assert done.returncode == 0
+    assert json.loads(done.stdout)['speeds']
+
+
+def test_a_result_that_cannot_be_written_is_no_success() -> None:
+    done = in_shell('>/dev/full', 'theory', '--speed', '2240', '--json')
+    assert done.returncode == 1
+    assert done.stderr == 'kapitsa: error: [Errno 28] No space left on device\n'
+
+
+@pytest.mark.parametrize('redirection', ['0<&- 2>&-', '0<&- 1>&- 2>&-'])
+def test_nothing_takes_the_place_of_a_stream_that_is_closed(redirection: str, tmp_path: Path) -> None:
+    program = (
+        'import os, sys, subprocess; from kapitsa_ros.cli.standard_streams import keep_streams_open\n'
+        'keep_streams_open(); file = open(sys.argv[1], "w"); print("x", file=sys.stderr); os.write(2, b"y")\n'
+        'subprocess.run([sys.executable, "-c", "import os; os.write(2, bytes(1))"], check=True)\n'
+        'file.write(str(file.fileno() > 2))'
+    )
+    shell = ['/bin/sh', '-c', f'exec "$@" {redirection}', '-', sys.executable, '-c', program, str(tmp_path / 'file')]
+    assert subprocess.run(shell, check=False).returncode == 0
+    assert (tmp_path / 'file').read_text(encoding='utf-8') == 'True'
 
 
 @pytest.mark.parametrize(('given', 'left'), [('0', None), ('-1', None), ('', None), ('x', None), ('40', '40')])

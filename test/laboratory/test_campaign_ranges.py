@@ -86,7 +86,7 @@ def test_ranges_that_cannot_be_are_refused(tmp_path: Path, values: dict[str, Any
 
 def test_a_point_that_is_no_plant_is_named_before_the_work(tmp_path: Path) -> None:
     path = written(tmp_path, factors={'coulomb': [1], 'clearance': ['1 mm', '20 mm']}, experiments=1)
-    with pytest.raises(ConfigurationError, match='coulomb = 1, clearance = 0.02: clearance is 0.02 m'):
+    with pytest.raises(ConfigurationError, match=r'coulomb = 1, clearance = 0\.02: clearance is 0\.02 m'):
         kr.campaign(ranges=path)
 
 

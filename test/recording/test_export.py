@@ -101,9 +101,13 @@ def test_topics_are_chosen_and_nothing_is_overwritten(tmp_path: Path, run: RunBa
         name for name in COLUMNS if name.startswith(('time', 'pivot'))
     ]
     before = path.read_bytes()
-    with pytest.raises(KapitsaError, match='is there already and stays'):
+    with pytest.raises(KapitsaError, match='--overwrite to replace it'):
         export(run, 'csv', path)
+    with pytest.raises(KapitsaError, match='is there already and stays'):
+        export(run, 'joint-states', path, overwrite=True)
     assert path.read_bytes() == before
+    assert export(run, 'csv', path, overwrite=True)
+    assert path.read_bytes() != before
     with pytest.raises(KapitsaError, match='give one of pendulum/motion, jigsaw/pivot'):
         export(run, 'csv', tmp_path / 'other.csv', ('clock',))
     assert not (tmp_path / 'other.csv').exists()

@@ -15,16 +15,21 @@ from typing import Any
 import pytest
 import rclpy
 import yaml
+from rclpy.clock import JumpThreshold
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import ReliabilityPolicy
 from rosbags.typesys import Stores, get_typestore
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
 
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.configuration.urdf import MASS, urdf
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.network import registry
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
@@ -40,11 +45,10 @@ from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
-from kapitsa_ros.rig.urdf import MASS, urdf
 from kapitsa_ros.rig.viewers import VIEWERS, programs
 from kapitsa_ros.ros.diagnostics import progress_message
 from kapitsa_ros.ros.joint_state_publisher import JOINTS
-from kapitsa_ros.ros.qos import VIEW, message_class
+from kapitsa_ros.ros.qos import LATCHED, VIEW, message_class
 from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 
 pytestmark = pytest.mark.xdist_group('viewers')
@@ -69,6 +73,11 @@ class Viewer:
     node: Node
     executor: SingleThreadedExecutor
     states: list[JointState] = field(default_factory=list)
+    models: list[str] = field(default_factory=list)
+    jumps: list[int] = field(default_factory=list)
+    """Of its own clock, forth or back, s."""
+    ticks: list[int] = field(default_factory=list)
+    """When a timer of a second has rung, on that clock."""
     clocks: list[int] = field(default_factory=list)
 
     def watch(self, seen_enough: Callable[[], bool]) -> None:
@@ -83,15 +92,21 @@ def viewer_in(domain: int) -> Iterator[Viewer]:
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
-    node = Node('viewer', context=context)
+    node = Node('viewer', context=context, parameter_overrides=[Parameter('use_sim_time', value=True)])
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     viewer = Viewer(node, executor)
     node.create_subscription(JointState, 'joint_states', viewer.states.append, VIEW)
+    node.create_subscription(String, 'robot_description', lambda message: viewer.models.append(message.data), LATCHED)
+    node.create_timer(1.0, lambda: viewer.ticks.append(node.get_clock().now().nanoseconds))
+    far = JumpThreshold(min_forward=Duration(seconds=100), min_backward=Duration(nanoseconds=-1))
+    clock = node.get_clock()
+    listening = clock.create_jump_callback(far, post_callback=lambda jump: viewer.jumps.append(jump.delta.nanoseconds))
     node.create_subscription(Clock, '/clock', lambda message: viewer.clocks.append(nanoseconds(message.clock)), VIEW)
     try:
         yield viewer
     finally:
+        listening.unregister()  # not later: its callback would outlive the clock
         executor.shutdown()
         node.destroy_node()
         context.try_shutdown()
@@ -140,7 +155,14 @@ def test_joint_states_are_the_recorded_motion(tmp_path: Path) -> None:
         (end,) = viewer.node.get_publishers_info_by_topic('/joint_states')
         assert end.node_name == 'pendulum'
         assert end.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT  # nobody who looks holds the rig up
+        (model,) = viewer.models
+        assert model == urdf(Plant())
         rig.reset()
+        viewer.watch(lambda: viewer.clocks[-1] > 2 * 86_400 * SECOND + 2 * SECOND)
+    # The clock of whoever uses simulated time leaps from 0 to run 1 and on to run 2, and no timer rings for a day.
+    assert viewer.clocks == sorted(viewer.clocks)
+    assert [round(jump / SECOND / 86_400) for jump in viewer.jumps] == [1, 1]
+    assert len(viewer.ticks) < (viewer.clocks[-1] - viewer.clocks[0]) / SECOND - 86_390
     agree([state for state in viewer.states if state.header.stamp.sec < 2 * 86_400], next(tmp_path.glob('run_01_*')))
 
 
@@ -150,6 +172,7 @@ def test_a_replay_shows_the_recorded_motion() -> None:
         with NodeGroup(REPLAY_NAMES, told, domain):
             viewer.watch(lambda: len(viewer.states) >= 10 and len(viewer.clocks) >= 10)
     agree(viewer.states, SHIPPED[0])
+    assert viewer.models == [urdf(RunBag(SHIPPED[0]).run.plant)]
     assert viewer.clocks == sorted(set(viewer.clocks))
     assert viewer.clocks[0] >= 86_400 * SECOND
 

@@ -1,6 +1,7 @@
 """Who has to be there before the first step, in a graph that the test makes up."""
 
 import itertools
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -70,7 +71,22 @@ def test_readers_that_are_not_expected_are_not_waited_for(node: Node) -> None:
     assert peers.ready()
 
 
-def test_who_is_missing_is_said_at_growing_intervals(node: Node, peers: PeerDiscovery) -> None:
+def test_the_hint_speaks_of_ros2_where_that_is(
+    node: Node, peers: PeerDiscovery, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / 'ros2').touch(mode=0o755)
+    monkeypatch.setenv('PATH', str(tmp_path))
+    complete(node)
+    node.readers[STROBE_READING.name].remove('analyser')
+    node.now = 1.0 + PATIENCE
+    peers.ready()
+    assert node.lines == ['waiting for analyser in domain 42: start with `ros2 run kapitsa_ros NAME`']
+
+
+def test_who_is_missing_is_said_at_growing_intervals(
+    node: Node, peers: PeerDiscovery, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv('PATH', '')
     complete(node)
     node.readers[STROBE_READING.name].remove('analyser')
     said = []
@@ -86,6 +102,7 @@ def test_who_is_missing_is_said_at_growing_intervals(node: Node, peers: PeerDisc
 
 def test_a_second_writer_of_a_topic_is_another_rig(node: Node, peers: PeerDiscovery) -> None:
     complete(node)
-    node.writers[PIVOT.name].append('jigsaw')
-    with pytest.raises(NodeError, match='2 nodes write jigsaw/pivot in domain 42: a rig is there already'):
+    node.writers[PIVOT.name].append('_NODE_NAME_UNKNOWN_')  # as rmw calls one that has said its topics first
+    told = r'2 nodes write jigsaw/pivot in domain 42: a rig is there already \(a node without a name yet, jigsaw\)'
+    with pytest.raises(NodeError, match=told):
         peers.ready()

@@ -15,6 +15,7 @@ from kapitsa_ros.cli.options import (
     bags_argument,
     budget_option,
     json_option,
+    overwrite_option,
     plant_options,
 )
 from kapitsa_ros.cli.progress import shown_stages
@@ -44,6 +45,7 @@ if TYPE_CHECKING:
     '--speed', 'speeds', type=SPEED, multiple=True, help='of the shaft, RPM, with --joint: one for each bag, in order'
 )
 @click.option('--table', type=click.Path(path_type=Path), help='CSV file for the timings, as `kapitsa reduce` takes it')
+@overwrite_option
 @plant_options
 @assumption_option
 @budget_option
@@ -58,6 +60,7 @@ def analyse(
     joint: str | None,
     speeds: tuple[float, ...],
     table: Path | None,
+    overwrite: bool,
     plant: Plant,
     assumptions: Assumptions,
     with_budget: bool,
@@ -80,7 +83,7 @@ def analyse(
     if with_budget and not blind:
         raise UsageError(f'{OPTION}: a budget is of what was read: leave --motion out', option='budget', value=True)
     if table is not None:
-        check_output(table, 'table')
+        check_output(table, 'table', overwrite=overwrite)
     warn_of_repeats(bags)
     with shown_stages(f'reading and fitting {len(bags)} run(s)'):
         if joint is not None:

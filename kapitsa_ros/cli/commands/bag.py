@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.cli.options import bags_argument, json_option, print_json
+from kapitsa_ros.cli.options import bags_argument, json_option, overwrite_option, print_json
 from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.cli.warnings_of_bags import warn
@@ -75,16 +75,26 @@ def recover(*, bags: tuple[Path, ...], output: Path | None, as_json: bool) -> No
     help='of the file; joint-states is a bag with the motion as one sample a message, for viewers',
 )
 @click.option('--output', type=click.Path(path_type=Path), required=True, help='the file, or the folder of the bag')
+@overwrite_option
 @click.option('--topic', 'topics', multiple=True, help='of the run; all where none is given (several may be given)')
 @click.option('--run', 'number', type=int, help='number of the run, where the bag holds several')
 @json_option
-def export(*, path: Path, kind: str, output: Path, topics: tuple[str, ...], number: int | None, as_json: bool) -> None:
+def export(
+    *,
+    path: Path,
+    kind: str,
+    output: Path,
+    overwrite: bool,
+    topics: tuple[str, ...],
+    number: int | None,
+    as_json: bool,
+) -> None:
     """Write motion, pivot, readings and commands of a run to a file for other tools: units in the column names."""
     from kapitsa_ros.recording.export_files import export as call  # noqa: PLC0415
     from kapitsa_ros.recording.reader import RunBag  # noqa: PLC0415
 
     run = RunBag(path, number)
-    rows = call(run, kind, output, topics)
+    rows = call(run, kind, output, topics, overwrite=overwrite)
     for defect in run.defects:
         warn(f'{path}: {defect}')
     if as_json:

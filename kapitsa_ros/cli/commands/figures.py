@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros._api.figures import figures as call
-from kapitsa_ros.cli.options import SPEED, json_option, plant_options, print_json
+from kapitsa_ros.cli.options import SPEED, json_option, overwrite_option, plant_options, print_json
 from kapitsa_ros.cli.progress import shown_stages
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     show_default=True,
     help='a folder, or a file such as figure.svg, whose name gets the number of each figure',
 )
+@overwrite_option
 @click.option(
     '--format',
     'kind',
@@ -32,10 +33,10 @@ if TYPE_CHECKING:
     help='of the files  [default: by the suffix of --output, else png]',
 )
 @json_option
-def figures(plant: Plant, speed: float, output: Path, kind: str | None, *, as_json: bool) -> None:
+def figures(plant: Plant, speed: float, output: Path, kind: str | None, *, overwrite: bool, as_json: bool) -> None:
     """Draw Figures 2 to 6 of the report, for a rod, with the readings of 1997."""
     with shown_stages() as on_progress:
-        drawn = call(plant, output, speed=speed, format=kind, on_progress=on_progress)
+        drawn = call(plant, output, speed=speed, format=kind, overwrite=overwrite, on_progress=on_progress)
     files = [str(file) for file in drawn.files]
     if as_json:
         print_json({'figures': files})

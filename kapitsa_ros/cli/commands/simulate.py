@@ -9,7 +9,7 @@ import click
 import numpy as np
 
 from kapitsa_ros._api.simulate import simulate as call
-from kapitsa_ros.cli.options import ANGLE, FREQUENCY, json_option, plant_options, print_json
+from kapitsa_ros.cli.options import ANGLE, FREQUENCY, json_option, overwrite_option, plant_options, print_json
 from kapitsa_ros.cli.output_files import SUFFIXES, check_table_output, write_table
 from kapitsa_ros.cli.progress import shown_stages
 from kapitsa_ros.cli.terminal import say, show_table
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 @click.option('--bending-frequency', type=FREQUENCY, help="of the rod's first bending mode (Hz); rigid where not given")
 @click.option('--bending-damping', type=float, help='of that mode, a share of critical  [default: 0]')
 @click.option('--output', type=click.Path(path_type=Path, dir_okay=False), help=f'file for the motion: {SUFFIXES}')
+@overwrite_option
 @click.option('--sample-rate', type=float, default=1000.0, show_default=True, help='Hz')
 @json_option
 def simulate(
@@ -44,6 +45,7 @@ def simulate(
     phase: float,
     duration: float,
     output: Path | None,
+    overwrite: bool,
     sample_rate: float,
     linear: bool,
     bending_frequency: float | None,
@@ -52,7 +54,7 @@ def simulate(
 ) -> None:
     """Release the rod at rest on a shaking pivot and say what becomes of it."""
     if output is not None:
-        check_table_output(output)
+        check_table_output(output, overwrite=overwrite)
     if bending_damping is not None and bending_frequency is None:
         raise UsageError('--bending-damping: a rigid rod has none, give --bending-frequency too')
     with shown_stages(f'following the rod for {duration:g} s'):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.cli.options import plant_options
-from kapitsa_ros.rig.urdf import urdf as description
+from kapitsa_ros.configuration.urdf import urdf as description
 
 if TYPE_CHECKING:
     from kapitsa_ros.physics.plant import Plant

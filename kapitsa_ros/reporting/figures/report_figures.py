@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.physics.plant import Plant
 
+FIGURES = (2, 3, 4, 5, 6)
+"""Their numbers in the report."""
+
 
 def report_figures(plant: Plant, speed: float, measured: Readings) -> dict[int, Figure]:
     """Draw the figures of the report by their numbers; Figures 4 and 5 at a speed (rad/s)."""
@@ -27,10 +30,11 @@ def report_figures(plant: Plant, speed: float, measured: Readings) -> dict[int, 
     except TableError:
         line = None
     with house_style():
-        return {
-            2: stability_boundaries(plant, measured.forcing.tolist()),
-            3: extrapolation(None, measured, line),
-            4: time_history(plant, speed),
-            5: power_spectrum(plant, speed),
-            6: frequency_sweep(plant, list(zip(measured.forcing, measured.slow, strict=True)), readings=measured),
-        }
+        drawn = (
+            stability_boundaries(plant, measured.forcing.tolist()),
+            extrapolation(None, measured, line),
+            time_history(plant, speed),
+            power_spectrum(plant, speed),
+            frequency_sweep(plant, list(zip(measured.forcing, measured.slow, strict=True)), readings=measured),
+        )
+    return dict(zip(FIGURES, drawn, strict=True))

@@ -1,0 +1,18 @@
+"""Names of the nodes at the ends of a topic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+_UNKNOWN = '_NODE_NAME_UNKNOWN_'
+"""As rmw has it of a node whose topics were heard of before its name was."""
+
+
+def node_names(ends: Iterable[TopicEndpointInfo]) -> list[str]:
+    """Return the names in order; a node that has said none yet is called that."""
+    return sorted('a node without a name yet' if end.node_name == _UNKNOWN else end.node_name for end in ends)
