@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.inputs import AnyAssumptions
     from kapitsa_ros.recording.reader import RunBag
     from kapitsa_ros.reporting.report.content import Content
+    from kapitsa_ros.reporting.report.document import Document
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -91,14 +92,9 @@ def report(
     """
     page = Path(output)
     check_output(page, overwrite=overwrite)
-    try:
-        from kapitsa_ros.reporting.report import WRITERS, gather  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
-    suffix = page.suffix.removeprefix('.')
-    kind = format or (suffix if suffix in WRITERS else 'html')
-    if kind not in WRITERS:
-        raise OutputError(f'{OPTION}: no format: give one of {", ".join(WRITERS)}', option='format', value=kind)
+    write = report_format(page, format)
+    from kapitsa_ros.reporting.report import gather, report_document  # noqa: PLC0415  # an extra, which is there
+
     progress = on_progress or (lambda _: None)
     paths = run_folders(Path(path) for path in ([bags] if isinstance(bags, str | Path) else bags))
     trials: dict[str, int] = {} if experiments is None else {'experiments': experiments}
@@ -112,8 +108,30 @@ def report(
     )
     progress('drawing')
     with replacing(page) as draft:
-        WRITERS[kind](content, draft)
+        write(report_document(content), draft)
     return Report(output=page, content=content, warnings=(*repeats(paths), *dict.fromkeys(_defects(bags_read))))
+
+
+def report_format(page: Path, kind: str | None) -> Callable[[Document, Path], None]:
+    """Return what writes a report: by the format's name, else by the suffix of the file, else HTML.
+
+    Raises
+    ------
+    OutputError
+        There is no such format.
+    MissingPackageError
+        The `report` extra is not installed.
+
+    """
+    try:
+        from kapitsa_ros.reporting.report import WRITERS  # noqa: PLC0415
+    except ImportError as error:
+        raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    suffix = page.suffix.removeprefix('.')
+    chosen = kind or (suffix if suffix in WRITERS else 'html')
+    if chosen not in WRITERS:
+        raise OutputError(f'{OPTION}: no format: give one of {", ".join(WRITERS)}', option='format', value=chosen)
+    return WRITERS[chosen]
 
 
 def _defects(bags: Iterable[RunBag]) -> Iterator[str]:

@@ -69,6 +69,7 @@ def test_a_report_that_the_disk_does_not_take_leaves_the_old_one(
     pytest.importorskip('jinja2')
     pytest.importorskip('matplotlib')
     monkeypatch.setattr(kapitsa_ros.reporting.report, 'gather', lambda *_, **__: None)
+    monkeypatch.setattr(kapitsa_ros.reporting.report, 'report_document', lambda _: None)
     monkeypatch.setitem(kapitsa_ros.reporting.report.WRITERS, 'html', lambda _, path: path.write_text('page ' * 10_000))
     file = tmp_path / 'report.html'
     arguments = [str(SHIPPED), '--output', str(file), '--overwrite']

@@ -24,7 +24,7 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.release import Release
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.reporting.report import WRITERS, as_html, gather
+from kapitsa_ros.reporting.report import WRITERS, as_html, gather, report_document
 from kapitsa_ros.reporting.report.drawings import drawings_of
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
@@ -48,7 +48,7 @@ def content(runs):
 
 @pytest.fixture(scope='module')
 def page(content):
-    return as_html(content)
+    return as_html(report_document(content))
 
 
 @pytest.fixture(scope='module')
@@ -104,7 +104,7 @@ def test_it_says_whether_a_bearing_would_have_given_the_answer(page):
 
 def test_one_bag_makes_a_report_without_lines(runs, of_one_bag):
     reader = _Reader()
-    reader.feed(as_html(of_one_bag))
+    reader.feed(as_html(report_document(of_one_bag)))
     fit = direct_fit(evidence_of(timing_rows([runs[0].run])), ruler_of(runs[0].run))
     assert f'{fit.omega_crit / RPM:.0f} RPM' in reader.text
     assert 'Single causes against the readings of these runs' not in reader.text
@@ -114,7 +114,8 @@ def test_runs_off_the_curve_are_said_to_be(of_one_bag):
     *others, best = of_one_bag.estimates
     for discrepancy, words in ((0.004, '0.4 % of each period'), (None, 'contradict one another')):
         reader = _Reader()
-        reader.feed(as_html(replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))))
+        changed = replace(of_one_bag, estimates=(*others, replace(best, discrepancy=discrepancy)))
+        reader.feed(as_html(report_document(changed)))
         assert words in reader.text
 
 
@@ -125,23 +126,23 @@ def test_a_fall_alone_makes_a_report_that_shows_it():
     assert run.fell
     fall = Release(plant=Plant(), speed=1340 * RPM, angle=0.12).sampled(5.0)
     recorded = RecordedRun(name='run_01_1340rpm', run=run, time=fall.time, angle=fall.angle)
-    page = as_html(gather([recorded], load_table('1997'), experiments=1))
+    page = as_html(report_document(gather([recorded], load_table('1997'), experiments=1)))
     for words in ('these runs give no critical speed', '<td>fell</td>', 'Figure 4'):
         assert words in page
 
 
 def test_a_run_without_motion_makes_a_report_without_its_figures(runs):
     still = [replace(recorded, time=recorded.time[:0], angle=recorded.angle[:0]) for recorded in runs]
-    page = as_html(gather(still, load_table('1997'), experiments=1))
+    page = as_html(report_document(gather(still, load_table('1997'), experiments=1)))
     assert 'Figure 3' in page
     assert 'Figure 4' not in page
 
 
 def test_all_formats_say_the_same(of_one_bag, page, tmp_path):
-    WRITERS['md'](of_one_bag, tmp_path / 'report.md')
+    WRITERS['md'](report_document(of_one_bag), tmp_path / 'report.md')
     text = (tmp_path / 'report.md').read_text(encoding='utf-8')
     reader = _Reader()
-    reader.feed(as_html(of_one_bag))
+    reader.feed(as_html(report_document(of_one_bag)))
     for title in re.findall(r'^\*\*(Table \d.*)\*\*$|^## (.*)$', text, re.MULTILINE):
         assert ''.join(title) in reader.text
     best = f'{of_one_bag.curve.omega_crit / RPM:.0f} RPM'
@@ -155,7 +156,7 @@ def test_all_formats_say_the_same(of_one_bag, page, tmp_path):
 
 
 def test_pdf_has_pages_of_a4(of_one_bag, tmp_path):
-    WRITERS['pdf'](of_one_bag, tmp_path / 'report.pdf')
+    WRITERS['pdf'](report_document(of_one_bag), tmp_path / 'report.pdf')
     written = (tmp_path / 'report.pdf').read_bytes()
     assert written.startswith(b'%PDF-')
     assert b'/MediaBox [0 0 595.28 841.89]' in written
@@ -195,7 +196,7 @@ def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs)
 
 def test_what_is_missing_in_a_bag_stands_in_the_report(runs, content):
     lacking = replace(runs[0], defects=('steps 7 to 9 of run 1: missing',), unverified=True)
-    page = as_html(replace(content, runs=(lacking, *runs[1:])))
+    page = as_html(report_document(replace(content, runs=(lacking, *runs[1:]))))
     assert f'{runs[0].name}: steps 7 to 9 of run 1: missing.' in page
     assert f'Unverified, as no digest is recorded with them: {runs[0].name}.' in page
 

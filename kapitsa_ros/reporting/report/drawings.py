@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -15,6 +14,7 @@ from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.reporting.figures import extrapolation, frequency_sweep, stability_boundaries
 from kapitsa_ros.reporting.figures.canvas import BLUE, GREY, INK, ORANGE, blank, write_powers
 from kapitsa_ros.reporting.figures.spectrum import amplitudes
+from kapitsa_ros.reporting.report.document import drawings_named
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -24,20 +24,10 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.analysis.recorded_run import FreeSwing, RecordedRun
     from kapitsa_ros.reporting.report.content import Content, Estimate
+    from kapitsa_ros.reporting.report.document import Drawing
 
 _SHOWN = 5.0  # s of Figure 4
 _ENDS = {'fell': ', the rod falls', 'stopped': ', friction stops it before it is timed'}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Drawing:
-    """A figure, and what the text says of it."""
-
-    name: str
-    """Of its file, without a path."""
-    title: str
-    caption: str
-    figure: Figure
 
 
 def drawings_of(content: Content) -> list[Drawing]:
@@ -79,10 +69,7 @@ def drawings_of(content: Content) -> list[Drawing]:
             ),
         )
     )
-    return [
-        Drawing(name=f'figure_{index}.svg', title=figure.get_suptitle(), caption=caption, figure=figure)
-        for index, (figure, caption) in enumerate(figures, start=1)
-    ]
+    return drawings_named(figures)
 
 
 def _of_run(run: RecordedRun) -> list[tuple[Figure, str]]:

@@ -1,4 +1,4 @@
-"""The report as a page of HTML, as Markdown beside its figures, and as PDF."""
+"""A document as a page of HTML, as Markdown with its figures in it, and as PDF."""
 
 from __future__ import annotations
 
@@ -14,8 +14,6 @@ from jinja2 import Environment, StrictUndefined
 from markdown_it import MarkdownIt
 
 from kapitsa_ros.reporting.figures.canvas import house_style
-from kapitsa_ros.reporting.report.drawings import drawings_of
-from kapitsa_ros.reporting.report.text import report_text
 from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
@@ -24,8 +22,7 @@ if TYPE_CHECKING:
     from fpdf import FPDF
     from fpdf.fonts import FontFace
 
-    from kapitsa_ros.reporting.report.content import Content
-    from kapitsa_ros.reporting.report.drawings import Drawing
+    from kapitsa_ros.reporting.report.document import Document, Drawing
 
 _WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the text beside it, on a phone too
 _FIGURE = re.compile(r'<p><img src="([^"]*)" alt="([^"]*)" ?/?></p>')
@@ -38,9 +35,9 @@ _BEFORE_TEXT, _BEFORE_FIGURES = 45.0, 110.0  # mm that a heading needs for itsel
 _DOTS = 160  # an inch
 
 
-def as_html(content: Content) -> str:
+def as_html(document: Document) -> str:
     """Return one page that asks nothing of any other file or host; the figures' text can be selected."""
-    drawings = _draw(content)
+    drawings = document.drawings
     drawn = {drawing.name: _svg(drawing) for drawing in drawings}
 
     def figure(found: re.Match[str]) -> str:
@@ -48,37 +45,35 @@ def as_html(content: Content) -> str:
         return f'<figure{tall}>{drawn[found[1]]}<figcaption>{found[2]}</figcaption></figure>'
 
     stacked = {drawing.name for drawing in drawings if len(drawing.figure.axes) > 1}
-    body = _FIGURE.sub(figure, _with_captions(_to_html(report_text(content, drawings))))
+    body = _FIGURE.sub(figure, _with_captions(_to_html(document.text)))
     body = _FIGURES.sub(r'<div class="figures">\n\g<0></div>\n', body)
     environment = Environment(autoescape=False, undefined=StrictUndefined)  # noqa: S701 - the body is HTML already
     page = environment.from_string(resource_path('config', 'report', 'report.html').read_text(encoding='utf-8'))
-    return page.render(body=body)
+    return page.render(body=body, title=document.title)
 
 
-def write_html(content: Content, path: Path) -> None:
+def write_html(document: Document, path: Path) -> None:
     """Write the page."""
-    path.write_text(as_html(content), encoding='utf-8')
+    path.write_text(as_html(document), encoding='utf-8')
 
 
-def write_markdown(content: Content, path: Path) -> None:
+def write_markdown(document: Document, path: Path) -> None:
     """Write the text; its figures are in it, as links to data, so that it is one file."""
-    drawings = _draw(content)
-    text = report_text(content, drawings)
-    for drawing in drawings:
+    text = document.text
+    for drawing in document.drawings:
         data = base64.b64encode(_svg(drawing).encode()).decode()
         text = text.replace(f']({drawing.name})', f'](data:image/svg+xml;base64,{data})')
     path.write_text(text, encoding='utf-8')
 
 
-def write_pdf(content: Content, path: Path) -> None:
+def write_pdf(document: Document, path: Path) -> None:
     """Write pages of A4, their figures as pictures."""
     from fpdf import FPDF  # noqa: PLC0415  # takes a third of a second
     from fpdf.fonts import FontFace, TextStyle  # noqa: PLC0415
 
-    drawings = _draw(content)
-    pictures = {drawing.name: _png(drawing) for drawing in drawings}
+    pictures = {drawing.name: _png(drawing) for drawing in document.drawings}
     pdf = FPDF(format='A4')
-    pdf.set_title("Kapitsa's stable inverted pendulum")
+    pdf.set_title(document.title)
     fonts = Path(mpl.get_data_path()) / 'fonts' / 'ttf'
     for style, file in (('', ''), ('B', '-Bold'), ('I', '-Oblique'), ('BI', '-BoldOblique')):
         pdf.add_font('DejaVu', style, fonts / f'DejaVuSans{file}.ttf')
@@ -92,7 +87,7 @@ def write_pdf(content: Content, path: Path) -> None:
         'li': TextStyle(l_margin=5),
     }
     waiting: list[tuple[io.BytesIO, float, str]] = []
-    for block in _blocks(_to_html(report_text(content, drawings))):
+    for block in _blocks(_to_html(document.text)):
         if shown := _FIGURE.fullmatch(block):
             waiting.append((*pictures[shown[1]], html.unescape(shown[2])))
             if len(waiting) < _BESIDE:
@@ -110,17 +105,12 @@ def write_pdf(content: Content, path: Path) -> None:
     pdf.output(str(path))
 
 
-WRITERS: dict[str, Callable[[Content, Path], None]] = {
+WRITERS: dict[str, Callable[[Document, Path], None]] = {
     'html': write_html,
     'md': write_markdown,
     'pdf': write_pdf,
 }
 """By the format's name, which is its suffix too."""
-
-
-def _draw(content: Content) -> list[Drawing]:
-    with house_style():
-        return drawings_of(content)
 
 
 def _to_html(text: str) -> str:

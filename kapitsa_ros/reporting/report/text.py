@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.reporting.report.content import Content
-    from kapitsa_ros.reporting.report.drawings import Drawing
+    from kapitsa_ros.reporting.report.document import Drawing
     from kapitsa_ros.schema import Quantity
 
 _INSTRUMENTS = {'strobe': StrobeSettings, 'stopwatch': StopwatchSettings}
@@ -46,7 +46,7 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     )
     environment.globals.update(error_sentences=error_sentences, explanation_rows=explanation_rows, is_within=is_within)
     environment.filters.update(
-        rpm=_rpm, rpm_within=_rpm_within, inch=_inch, number=_number, ends=_ends, plain=_plain, sentence=_sentence,
+        rpm=_rpm, rpm_within=_rpm_within, inch=_inch, number=_number, ends=_ends, plain=plain, sentence=_sentence,
         budget_rows=budget_rows, budget_sentences=budget_sentences,
     )  # fmt: skip
     template = environment.from_string(resource_path('config', 'report', 'report.md').read_text(encoding='utf-8'))
@@ -96,7 +96,7 @@ def _items(kind: type, values: Mapping[str, float]) -> list[tuple[Quantity, floa
     return [(item, values[item.name]) for item in describe(kind) if item.name in values]
 
 
-def _plain(text: str) -> str:
+def plain(text: str) -> str:
     """Return a text in which nothing is taken for markup."""
     return text.translate(_MARKED)
 
@@ -132,4 +132,4 @@ def _of_records(content: Content) -> list[str]:
     said = [f'{run.name}: {defect}' for run in content.runs for defect in run.defects]
     if unverified := [run.name for run in content.runs if run.unverified]:
         said.append(f'Unverified, as no digest is recorded with them: {", ".join(unverified)}')
-    return [_plain(sentence) for sentence in dict.fromkeys(said)]
+    return [plain(sentence) for sentence in dict.fromkeys(said)]
