@@ -12,13 +12,14 @@ from measure import Claim, cpu
 from rosbags.highlevel import AnyReader
 
 from kapitsa_ros.laboratory.recomputed_run import RecomputedRun
-from kapitsa_ros.network.registry import COMMAND
+from kapitsa_ros.network.registry import COMMAND, REPLAYED
 from kapitsa_ros.network.step_clock import SECOND, StepClock
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
 from kapitsa_ros.recording.export_files import export
 from kapitsa_ros.recording.joint_samples import read_joint
 from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.sealed_motion import read_motion
 from kapitsa_ros.recording.writer import RunWriter
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def loop(path: Path) -> np.ndarray:
 
 
 def steps_of(run: Run, seconds: float, sample_rate: float) -> list[tuple[int, dict[str, bytes]]]:
-    """Return stamp and messages of every step of a run by its settings, at another rate of samples."""
+    """Return stamp and messages of every step of a run by its settings, and of its end, at another rate of samples."""
     settings = {**run.settings, 'jigsaw': {**run.settings['jigsaw'], 'sample_rate': sample_rate}}
     again = RecomputedRun(replace(run, settings=settings))
     clock, steps = StepClock(SECOND // 10), []
@@ -48,7 +49,9 @@ def steps_of(run: Run, seconds: float, sample_rate: float) -> list[tuple[int, di
         messages = {topic.name: raw for topic, raw in again.step(step_id, command).items()}
         messages[COMMAND.name] = COMMAND.encode(clock.start_ns(step_id), step_id, command)
         steps.append((clock.start_ns(step_id), messages))
-    return steps
+    end = StepId(run.number, len(steps), end=True)
+    stamp = clock.start_ns(end)
+    return [*steps, (stamp, {topic.name: topic.codec.encode_silence(stamp, end) for topic in REPLAYED[1:]})]
 
 
 def record(writer: RunWriter, steps: list[tuple[int, dict[str, bytes]]]) -> None:
@@ -66,16 +69,16 @@ def main() -> None:
         writers = (RunWriter(Path(folder) / f'run_{number}', 'mcap', shipped.settings_texts, 5) for number in range(99))
         writer = RunWriter(ours, 'mcap', shipped.settings_texts, 5)
         record(writer, steps)
-        writer.close(complete=False)
+        writer.close(complete=True)
         export(RunBag(ours), 'joint-states', joints)
         rows = loop(joints)
-        motion, joint = RunBag(ours).motion, read_joint(joints, 'pendulum')
+        motion, joint = read_motion(ours), read_joint(joints, 'pendulum')
         bag_s, joint_s, loop_s = cpu(
-            lambda: RunBag(ours).motion, lambda: read_joint(joints, 'pendulum'), lambda: loop(joints)
+            lambda: read_motion(ours), lambda: read_joint(joints, 'pendulum'), lambda: loop(joints)
         )
         peer = 'AnyReader, a loop over JointState'
         for work, target, cost, angle in (
-            ('θ(t) of 60 s at 2 kHz from a bag (zstd), every digest checked', '>= 100', bag_s, motion.angle),
+            ('θ(t) of 60 s at 2 kHz from a bag (zstd), its digest checked', '>= 100', bag_s, motion.angle),
             ('the same from JointState of others (zstd)', '>= 50', joint_s, joint.position),
         ):
             error = float(np.abs(angle - rows[:, 1]).max())

@@ -24,6 +24,8 @@ DIGEST_TOPIC = 'recorder/digest'
 """std_msgs/String, JSON: what the group of steps before it comes to."""
 DIGEST_KEY, LAST_GROUP_KEY = 'digest', 'last_group'
 """Keys of the bag's custom data: digest of the run, and of the last message about a group, to which the others lead."""
+MOTION_KEY = 'motion_chunks'
+"""Key of the SHA-256 over the content of the chunks that hold the motion, where no step of the run is missing."""
 SIZE = 16
 """Bytes of the digest of a message."""
 

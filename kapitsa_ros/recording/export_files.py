@@ -16,8 +16,8 @@ from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.network.registry import MOTION
 from kapitsa_ros.network.typestore import new_message, new_time, serialise
 from kapitsa_ros.output_file import check_output, replacing
+from kapitsa_ros.recording.bag_writer import BagWriter
 from kapitsa_ros.recording.export import described, joined, tables
-from kapitsa_ros.recording.storage_control import BagWriter
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import pandas as pd
+    from numpy.typing import NDArray
 
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
@@ -68,7 +69,7 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
         empty = np.array([])
         return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
     angle, rate = np.concatenate(angles), np.concatenate(rates)
-    if np.abs(angle).max() > _WIDEST or np.abs(rate).max() > _FASTEST:
+    if not is_motion(angle, rate):
         raise WireError(f'a motion that reaches {np.abs(angle).max():g} rad and {np.abs(rate).max():g} rad/s is none')
     joined = np.concatenate(stamps)
     periods = np.diff(joined)
@@ -78,3 +79,9 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     gaps = periods[periods > period]
     lost = float((gaps - period).sum()) / SECOND
     return Motion(joined[fresh], angle[fresh], rate[fresh], gaps.size + count, lost + late)
+
+
+def is_motion(angle: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
+    """Whether a pendulum can move so; angle in rad, rate in rad/s."""
+    limits = ((angle, _WIDEST), (rate, _FASTEST))
+    return all(-limit <= values.min() and values.max() <= limit for values, limit in limits)
