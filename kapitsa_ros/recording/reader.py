@@ -25,7 +25,7 @@ from kapitsa_ros.network.settings import encode_settings, settings_topic
 from kapitsa_ros.network.step import Step
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
 from kapitsa_ros.recording.motion import Motion, joined_motion
 from kapitsa_ros.recording.recording import Recording
@@ -137,7 +137,8 @@ class RunBag:
     @cached_property
     def defects(self) -> tuple[str, ...]:
         """What is missing or damaged, a sentence each; empty for a bag that is as it should be."""
-        return (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        found = (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        return tuple(map(printable, found))
 
     def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, stamp of the step (ns) and bytes of the messages on the named topics, in the order of steps.
