@@ -6,6 +6,7 @@ The records are those of the `mcap` package; its readers want a whole file, or g
 from __future__ import annotations
 
 import struct
+from array import array
 from collections import OrderedDict
 from contextlib import suppress
 from typing import TYPE_CHECKING
@@ -43,7 +44,7 @@ MAGIC = b'\x89MCAP0\r\n'
 _MESSAGE = struct.Struct('<HIQQ')
 _CHANNEL = struct.Struct('<H')
 _FOOTER_SIZE = HEAD.size + 20
-_KEPT, _OVERHEAD = 2**26, 200
+_KEPT, _OVERHEAD = 2**25, 200
 """Bytes of unpacked chunks that are kept, and what each costs besides."""
 _OUTSIDE = -1
 """Block of a message in no chunk."""
@@ -68,8 +69,6 @@ class McapFile:
         self.cut_off: str | None = None
         self._schemas: dict[int, str] = {}
         self._channels: dict[int, tuple[str, str]] = {}
-        self._index: dict[int, IndexedChunk] = {}
-        """By place, as the end of the file has them."""
         self._chunks: OrderedDict[int, bytes] = OrderedDict()
         self._kept = 0
         self._file: BinaryIO | None = None
@@ -112,10 +111,10 @@ class McapFile:
             A chunk is damaged.
 
         """
-        self._summary()
-        alone = {number for number, (name, _) in self._channels.items() if name == topic}
         unpacker = zstandard.ZstdDecompressor()
-        for indexed in self._index.values():
+        alone: set[int] = set()
+        for indexed in self._summary():
+            alone = alone or {number for number, (name, _) in self._channels.items() if name == topic}
             if indexed.channels == alone:
                 size = indexed.size - HEAD.size
                 if not 0 < size <= 2 * LARGEST:
@@ -139,13 +138,13 @@ class McapFile:
         """Yield opcode, place and content of the records that can be read."""
         if self._bytes(0, len(MAGIC)) != MAGIC:
             raise BagError(f'{self.path} is no MCAP file')
-        self._summary()
+        starts = array('q', (chunk.start for chunk in self._summary() if chunk.start < self._size))
         at = len(MAGIC)
         while at < self._size:
             try:
                 op, body = self._record(at)
             except DamageError as error:
-                onward = min((start for start in self._index if start > at), default=None)
+                onward = min((start for start in starts if start > at), default=None)
                 if not self.finished:
                     self.cut_off = (
                         f'it was never closed, and ends in the middle of a record, at byte {at} of {self._size}'
@@ -246,9 +245,8 @@ class McapFile:
             if found.name == 'rosbag2':
                 self.metadata = found.metadata.get('serialized_metadata')
 
-    def _summary(self) -> None:
-        """Read the index at the end, if there is one."""
-        self._index = {}
+    def _summary(self) -> Iterator[IndexedChunk]:
+        """Read the index at the end, if there is one, and yield the chunks that it has."""
         self.finished = self._bytes(self._size - len(MAGIC), len(MAGIC)) == MAGIC and self._size > len(MAGIC)
         if not self.finished:
             return
@@ -260,8 +258,7 @@ class McapFile:
             summary = self._bytes(begin, end - begin) if 0 < begin < end < begin + LARGEST else b''
             for op, body in records(summary):
                 if op == Opcode.CHUNK_INDEX:
-                    chunk = parse_chunk_index(body)
-                    self._index[chunk.start] = chunk
+                    yield parse_chunk_index(body)
                 else:
                     self._take(op, body)
         except DamageError:
