@@ -28,6 +28,7 @@ from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
 from kapitsa_ros.recording.motion import Motion, joined_motion
+from kapitsa_ros.recording.processor import PROCESSOR_KEY, parse_processor
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import REQUIRED_ROLES, RUN_TOPICS, begun_runs, chosen_run, format_of
 from kapitsa_ros.recording.run_index import steps_text
@@ -103,6 +104,11 @@ class RunBag:
     def digest(self) -> str:
         """SHA-256 over the run's messages, as far as they are there; equal runs have equal ones."""
         return run_digest(self._index, self._recording.table)
+
+    @property
+    def processor(self) -> tuple[str, ...] | None:
+        """Architecture and extensions of the processor that it was recorded on; None: the bag does not say."""
+        return parse_processor(self._recording.promise.custom.get(PROCESSOR_KEY))
 
     @property
     def steps(self) -> int:

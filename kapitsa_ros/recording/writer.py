@@ -18,6 +18,7 @@ from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.bag_writer import BagWriter
 from kapitsa_ros.recording.digest import DIGEST_KEY, DIGEST_TOPIC, LAST_GROUP_KEY, MOTION_KEY, RunDigest
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.processor import PROCESSOR_KEY, processor_text
 from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ class RunWriter:
         So many steps are kept back at most, and no more than half a simulated second.
     clock
         Wall time in seconds; tells when to put on disk what was given to it.
+    processor
+        On which the run was computed, where that is not this one (empty: nobody knows); see `processor_text`.
 
     Raises
     ------
@@ -81,9 +84,12 @@ class RunWriter:
         storage: str,
         settings: Mapping[str, str],
         steps_a_chunk: int,
+        *,
         clock: Callable[[], float] = time.monotonic,
+        processor: str | None = None,
     ) -> None:
         self.path = path
+        self._processor = processor_text() if processor is None else processor
         self._settings = settings
         self._steps_a_chunk = steps_a_chunk
         self._steps = 0
@@ -177,6 +183,8 @@ class RunWriter:
             self._writer.set_custom_data(COMPLETE, str(complete).lower())
             self._writer.set_custom_data(DIGEST_KEY, self._digest.value)
             self._writer.set_custom_data(LAST_GROUP_KEY, self._digest.last_group)
+            if self._processor:
+                self._writer.set_custom_data(PROCESSOR_KEY, self._processor)
             self._storage.settle()
             if complete and self._gapless and (seal := self._storage.seal) is not None:
                 self._writer.set_custom_data(MOTION_KEY, seal)
