@@ -37,6 +37,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from os import PathLike
 
+    import pandas as pd
+    import xarray as xr
+
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
@@ -251,6 +254,18 @@ class RunBag:
             defects=self.defects,
             unverified=self.integrity.ok is None,
         )
+
+    def to_pandas(self, *topics: str) -> pd.DataFrame:
+        """Return motion, pivot, commands and readings, or some topics; a row for each time that one of them has."""
+        from kapitsa_ros.recording.export import frame_of  # noqa: PLC0415  # it reads bags
+
+        return frame_of(self, topics)
+
+    def to_xarray(self, *topics: str) -> xr.Dataset:
+        """Return the same by topic, each over a time of its own, with units."""
+        from kapitsa_ros.recording.export import dataset_of  # noqa: PLC0415
+
+        return dataset_of(self, topics)
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""
