@@ -71,13 +71,15 @@ class Motion:
         return {'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate}
 
 
-def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
+def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]], begin: int = 0) -> Motion:
     """Return the motion that blocks make, of which each holds both its ends.
 
     Parameters
     ----------
     blocks
         Step, stamp (ns) and motion of each, in the order of the steps.
+    begin
+        The step that ought to be the first.
 
     Raises
     ------
@@ -90,8 +92,8 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     late, count = 0.0, 0
     for step, stamp, samples in blocks:
         times = np.arange(samples.position.size) * round(samples.period * SECOND)
-        if not stamps and step:
-            count, late = 1, step * samples.period * (samples.position.size - 1)
+        if not stamps and step > begin:
+            count, late = 1, (step - begin) * samples.period * (samples.position.size - 1)
         stamps.append(stamp + times)
         angles.append(samples.position)
         rates.append(samples.rate)

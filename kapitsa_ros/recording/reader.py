@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -235,10 +235,27 @@ class RunBag:
             A block is not what its topic promises.
 
         """
+        return self._joined(self._on(MOTION.name), 0)
+
+    def motion_in_pieces(self, steps: int = 1000) -> Iterator[Motion]:
+        """Yield the motion so many steps at a time, for a run that is larger than memory.
+
+        Each begins with the sample at which the one before ended; what is missing counts to the one after it.
+
+        Raises
+        ------
+        BagError
+            A block is not what its topic promises.
+
+        """
+        blocks, begin = self._on(MOTION.name), 0
+        while piece := list(islice(blocks, steps)):
+            yield self._joined(piece, begin)
+            begin = piece[-1][0].step + 1
+
+    def _joined(self, blocks: Iterable[tuple[StepId, bytes]], begin: int) -> Motion:
         try:
-            return joined_motion(
-                (step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in self._on(MOTION.name)
-            )
+            return joined_motion(((step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in blocks), begin)
         except (WireError, OverflowError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 

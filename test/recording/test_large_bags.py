@@ -6,12 +6,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages
+from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages, write
 
 from kapitsa_ros.network.cdr import decode_block, encode_block
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.writer import RunWriter
 
 GB = 10**9
@@ -20,9 +22,11 @@ import json, resource, sys
 from kapitsa_ros.recording.reader import RunBag
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 bag = RunBag(sys.argv[1])
-run = bag.run
+run, samples, lost = bag.run, 0, 0.0
+for piece in bag.motion_in_pieces():
+    samples, lost = samples + piece.angle.size - 1, lost + piece.lost
 after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-print(json.dumps([before, after, bag.steps, run.complete, bag.integrity.ok, len(run.timings), list(bag.defects)]))
+print(json.dumps([before, after, bag.steps, run.complete, bag.integrity.ok, samples, lost, list(bag.defects)]))
 """
 
 
@@ -60,9 +64,21 @@ def test_ten_gigabytes_are_read_in_less_than_one(tmp_path: Path) -> None:
         print('10 GB:', steps, 'steps,', after, 'kB')  # noqa: T201 - the figure
     finally:
         shutil.rmtree(tmp_path / 'run')
-    assert found == [steps, True, True, 1, []]
+    assert found == [steps, True, True, 1000 * steps, 0.0, []]
     assert isinstance(after, int)
     assert after * 1024 < GB
+
+
+def test_pieces_make_the_motion(tmp_path: Path) -> None:
+    """A step is lost where a piece ends, and one within a piece."""
+    for left_out in (None, 4, 6):
+        bag = RunBag(write(tmp_path / f'run_{left_out}', leave_out=left_out))
+        whole, pieces = bag.motion, list(bag.motion_in_pieces(steps=4))
+        assert len(pieces) == 3
+        rest = [piece.angle[0 if left_out == 4 and number == 1 else 1 :] for number, piece in enumerate(pieces[1:], 1)]
+        assert np.concatenate([pieces[0].angle, *rest]).tobytes() == whole.angle.tobytes()
+        assert sum(piece.gaps for piece in pieces) == whole.gaps == (left_out is not None)
+        assert sum(piece.lost for piece in pieces) == pytest.approx(whole.lost, abs=0.0011)
 
 
 def test_memory_grows_by_the_message_and_not_by_the_byte(tmp_path: Path) -> None:
