@@ -188,7 +188,7 @@ def decode_blocks(rows: NDArray[np.uint8]) -> Blocks | None:
     if any((part != part[0]).any() for part in (*same, *lengths, rows[:, -_LENGTH.size :])):
         return None
     position, rate, acceleration = (points[:, word::words].view('<f8') for word in _VALUES)
-    if not np.isfinite(acceleration.sum()):
+    if not np.isfinite(acceleration).all():
         return None
     stamps = rows[:, stamp : stamp + _STAMP.size].copy().view(_STAMPS)[:, 0]
     stamps_ns = stamps['sec'] * np.int64(SECOND) + stamps['nanosec']

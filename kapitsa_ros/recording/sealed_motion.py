@@ -88,6 +88,8 @@ def _blocks(file: McapFile, seal: Any) -> Iterator[Blocks]:
 def _decoded(file: McapFile, content: bytes) -> Iterator[Blocks]:
     for piece in file.messages_in(content) if content else ():
         rows = piece.data if isinstance(piece, StoredTable) else np.frombuffer(piece.data, np.uint8)[None]
+        if rows.shape[1] <= NUMBER_LENGTH_AT:
+            raise WireError('a message is too short')
         # Where numbers get a digit more, messages of one size are not laid out alike.
         for part in np.split(rows, np.flatnonzero(np.diff(rows[:, NUMBER_LENGTH_AT])) + 1):
             if (blocks := decode_blocks(part)) is not None:

@@ -1,12 +1,15 @@
 """θ(t) read without the rest of a bag: the same numbers to the last bit, and never others without a word."""
 
+import struct
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages, write
+from mcap.opcode import Opcode
 from mutations import numbers
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.network import registry
 from kapitsa_ros.network.step_id import StepId
@@ -94,6 +97,33 @@ def test_a_motion_of_another_run_is_refused(tmp_path: Path) -> None:
     bag, other = (write(tmp_path / name / 'run', samples=samples) for name, samples in (('a', 10), ('b', 20)))
     storage_file(bag).write_bytes(storage_file(other).read_bytes())
     with pytest.raises(BagError, match='its messages are not those whose digest its metadata states'):
+        read_motion(bag)
+
+
+@pytest.mark.parametrize(('start', 'size'), [(0, 5000), (0, 9), (0, 2**64 - 1), (2**63 - 1, 5000), (2**64 - 1, 5000)])
+def test_an_index_that_points_anywhere_is_not_followed(tmp_path: Path, start: int, size: int) -> None:
+    bag = write(tmp_path / 'run')
+    right, file = numbers(RunBag(bag).motion), storage_file(bag)
+    raw = bytearray(file.read_bytes())
+    (summary,) = struct.unpack_from('<Q', raw, len(raw) - 28)
+    at = summary
+    while at < len(raw) - 8:
+        op, length = struct.unpack_from('<BQ', raw, at)
+        if op == Opcode.CHUNK_INDEX:
+            struct.pack_into('<QQ', raw, at + 9 + 16, start, size)
+        at += 9 + length
+    file.write_bytes(raw)
+    assert numbers(read_motion(bag)) == right
+
+
+def test_messages_too_short_to_be_numbered_are_left_out(tmp_path: Path) -> None:
+    bag = tmp_path / 'run'
+    with Writer(bag, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        kind = registry.MOTION.type
+        link = writer.add_connection('/pendulum/motion', kind, typestore=get_typestore(Stores.ROS2_JAZZY))
+        for stamp in range(3):
+            writer.write(link, stamp, bytes(6))
+    with pytest.raises(BagError, match='is no run of this rig'):
         read_motion(bag)
 
 

@@ -117,7 +117,7 @@ class McapFile:
             alone = alone or {number for number, (name, _) in self._channels.items() if name == topic}
             if indexed.channels == alone:
                 size = indexed.size - HEAD.size
-                if not 0 < size <= 2 * LARGEST:
+                if not 0 < size <= 2 * LARGEST or indexed.start > self._size:
                     raise DamageError('a record cannot be')
                 chunk = parse_chunk(self._bytes(indexed.start + HEAD.size, size))
                 yield chunk.data, unpack_chunk(*chunk, unpacker)
