@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.network.cdr import Blocks
 
-_BATCH = 8
+_BATCH = 12
 """Chunks that are decoded at once: few enough for the processor's cache."""
 _FIRST = 2**16
 """Samples that there is room for at first."""
@@ -91,7 +91,9 @@ def _decoded(file: McapFile, content: bytes) -> Iterator[Blocks]:
         if rows.shape[1] <= NUMBER_LENGTH_AT:
             raise WireError('a message is too short')
         # Where numbers get a digit more, messages of one size are not laid out alike.
-        for part in np.split(rows, np.flatnonzero(np.diff(rows[:, NUMBER_LENGTH_AT])) + 1):
+        lengths = rows[:, NUMBER_LENGTH_AT]
+        parts = [rows] if (lengths == lengths[0]).all() else np.split(rows, np.flatnonzero(np.diff(lengths)) + 1)
+        for part in parts:
             if (blocks := decode_blocks(part)) is not None:
                 yield blocks
             elif len(part) > 1 or not read_step_id(part.tobytes()).end:
