@@ -64,6 +64,7 @@ REPORT = [
     'matplotlib>=3.6',
     'pandas>=2.1',
     'pyarrow>=14',
+    'xarray>=2024.1',
 ]
 CAMPAIGN = [
     'distributed>=2024.1',
@@ -73,6 +74,7 @@ BENCH = [
 ]
 BENCHMARKS = [
     'heyoka',
+    'mcap-ros2-support',  # reads bags too
     'mujoco',
 ]
 TEST = [  # under this name `colcon test` looks for pytest

@@ -5,7 +5,7 @@
 - A rod: `Plant`, `preset`.
 - What theory says of it: `theory`, `stability_map`; what it does: `simulate`.
 - The laboratory of 1997: `experiment` (as ROS 2 nodes), `campaign` (many, in process), `Rig` (in your hands).
-- What was read: `read_bag`, `verify`, `reduce`, `explain`, `plan`, `report`, `figures`.
+- What was read: `read_bag`, `read_motion`, `verify`, `reduce`, `explain`, `plan`, `report`, `figures`.
 
 Speeds, lengths, angles and times are numbers in SI, texts with a unit (`'2500 rpm'`, `'9.75 in'`) or quantities of a
 library of units. A bare speed is in rad/s; `rpm(2500)` is 2500 RPM. Only `Rig.request_speed` takes RPM, as its dial
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from kapitsa_ros._api.plan import plan
     from kapitsa_ros._api.preset import preset
     from kapitsa_ros._api.read_bag import read_bag
+    from kapitsa_ros._api.read_motion import read_motion
     from kapitsa_ros._api.reduce import reduce
     from kapitsa_ros._api.report import report
     from kapitsa_ros._api.rpm import rpm
@@ -47,6 +48,7 @@ __all__ = [
     'plan',
     'preset',
     'read_bag',
+    'read_motion',
     'reduce',
     'report',
     'rpm',

@@ -1,4 +1,4 @@
-"""Columns as a data frame of pandas, which comes with an extra."""
+"""Columns as objects of pandas and xarray, which come with an extra."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import pandas as pd
+    import xarray as xr
 
 
 def data_frame(columns: Mapping[str, Any]) -> pd.DataFrame:
@@ -26,3 +27,19 @@ def data_frame(columns: Mapping[str, Any]) -> pd.DataFrame:
     except ImportError as error:
         raise MissingPackageError('a data frame needs pandas: pip install pandas, or "kapitsa_ros[report]"') from error
     return pd.DataFrame(dict(columns))
+
+
+def dataset(variables: Mapping[str, tuple[str, Any, dict[str, Any]]], attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Return variables by name, each with its dimension, values and attributes, as a dataset.
+
+    Raises
+    ------
+    MissingPackageError
+        Xarray is not installed.
+
+    """
+    try:
+        import xarray as xr  # noqa: PLC0415
+    except ImportError as error:
+        raise MissingPackageError('a dataset needs xarray: pip install xarray, or "kapitsa_ros[report]"') from error
+    return xr.Dataset(dict(variables), attrs=dict(attributes))

@@ -50,7 +50,7 @@ STAND_ON = {
     'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'std_msgs',
     'std_srvs',
     'textual', 'trajectory_msgs', 'yaml',
-    'zstandard',
+    'xarray', 'zstandard',
 }  # fmt: skip
 """What setup.py and package.xml declare, by the name it is imported under."""
 

@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 _ENCAPSULATION = b'\x00\x01\x00\x00'
 _LENGTH = struct.Struct('<I')
 _STAMP = struct.Struct('<iI')
-_STEP_ID_AT = len(_ENCAPSULATION) + _STAMP.size + _LENGTH.size
+NUMBER_LENGTH_AT = len(_ENCAPSULATION) + _STAMP.size
+"""Where a message says how long its number is."""
+_STEP_ID_AT = NUMBER_LENGTH_AT + _LENGTH.size
+_STAMPS = np.dtype([('sec', '<i4'), ('nanosec', '<u4')])
 # From the first position of a point to the length before the next point's: every double is aligned to eight bytes, and
 # that length closes the gap after time_from_start.
 _POINT = np.dtype(
@@ -43,6 +46,8 @@ _POINT = np.dtype(
         'itemsize': 56,
     }
 )
+_VALUES = (0, 2, 4)
+"""Which eight bytes of a point are position, rate and acceleration."""
 
 
 class Block(NamedTuple):
@@ -53,6 +58,18 @@ class Block(NamedTuple):
     position: NDArray[np.float64]
     rate: NDArray[np.float64]
     acceleration: NDArray[np.float64]
+
+
+class Blocks(NamedTuple):
+    """Motion blocks of one size: N blocks of M samples."""
+
+    stamps_ns: NDArray[np.int64]
+    """Of the headers, shape (N,)."""
+    times_ns: NDArray[np.int64]
+    """From the header's stamp, the same in each, shape (M,)."""
+    position: NDArray[np.float64]
+    """Shape (N, M), as rate."""
+    rate: NDArray[np.float64]
 
 
 def aligned(size: int, to: int) -> int:
@@ -77,7 +94,7 @@ def read_step_id(raw: bytes) -> StepId:
 
     """
     try:
-        (length,) = _LENGTH.unpack_from(raw, _STEP_ID_AT - _LENGTH.size)
+        (length,) = _LENGTH.unpack_from(raw, NUMBER_LENGTH_AT)
         return StepId.parse(raw[_STEP_ID_AT : _STEP_ID_AT + length - 1].decode())
     except (struct.error, ValueError) as error:
         raise WireError(f'not a numbered message: {error}') from error
@@ -111,7 +128,7 @@ def header_size(raw: bytes) -> int:
         The bytes are too short.
 
     """
-    (length,) = _unpack(_LENGTH, raw, _STEP_ID_AT - _LENGTH.size)
+    (length,) = _unpack(_LENGTH, raw, NUMBER_LENGTH_AT)
     return int(_STEP_ID_AT + length)
 
 
@@ -133,8 +150,55 @@ def encode_block(stamp_ns: int, step_id: StepId, block: Block) -> bytes:
 
 def decode_block(raw: bytes) -> Block | None:
     """Read a block laid out as `encode_block` does it, or return None: other writers may lay it out otherwise."""
+    if (layout := _block_layout(raw)) is None:
+        return None
+    joint, at, count = layout
+    points = np.frombuffer(raw + bytes(_LENGTH.size), _POINT, count, at)
+    lengths_fit = (
+        (points['n_rate'] == 1).all()
+        and (points['n_acceleration'] == 1).all()
+        and not points['n_effort'].any()
+        and (points['n_next'][:-1] == 1).all()
+    )
+    if not lengths_fit:
+        return None
+    times = points['sec'] * np.int64(SECOND) + points['nanosec']
+    return Block(joint, times, *(np.array(points[name]) for name in ('position', 'rate', 'acceleration')))
+
+
+def decode_blocks(rows: NDArray[np.uint8]) -> Blocks | None:
+    """Read blocks of one size at once; None where one is laid out otherwise than `encode_block` does it, or not finite.
+
+    Parameters
+    ----------
+    rows
+        A message each.
+
+    """
+    first = rows[0].tobytes()
+    block, layout = decode_block(first), _block_layout(first)
+    if block is None or layout is None:
+        return None
+    _, at, count = layout
+    stamp, words = len(_ENCAPSULATION), _POINT.itemsize // 8
+    points = rows[:, at : at + count * _POINT.itemsize - 8].copy().view('<u8')  # aligned, which is faster
+    # All but stamp, number and values has to be the same; the last eight bytes are half a time and half a length.
+    lengths = (points[:, word::words] for word in range(words) if word not in _VALUES)
+    same = (rows[:, :stamp], rows[:, NUMBER_LENGTH_AT:_STEP_ID_AT], rows[:, header_size(first) : at])
+    if any((part != part[0]).any() for part in (*same, *lengths, rows[:, -_LENGTH.size :])):
+        return None
+    position, rate, acceleration = (points[:, word::words].view('<f8') for word in _VALUES)
+    if not np.isfinite(acceleration).all():
+        return None
+    stamps = rows[:, stamp : stamp + _STAMP.size].copy().view(_STAMPS)[:, 0]
+    stamps_ns = stamps['sec'] * np.int64(SECOND) + stamps['nanosec']
+    return Blocks(stamps_ns, block.times_ns, position, rate)
+
+
+def _block_layout(raw: bytes) -> tuple[str, int, int] | None:
+    """Return joint, place of the points and their number in a block that may be laid out as `encode_block` does it."""
     try:
-        (length,) = _LENGTH.unpack_from(raw, _STEP_ID_AT - _LENGTH.size)
+        (length,) = _LENGTH.unpack_from(raw, NUMBER_LENGTH_AT)
         at = _STEP_ID_AT + length
         at += aligned(at, 4)
         joints, name = struct.unpack_from('<II', raw, at)
@@ -149,14 +213,4 @@ def decode_block(raw: bytes) -> Block | None:
         return None
     if joints != 1 or first != 1 or not count or len(raw) != at + count * _POINT.itemsize - _LENGTH.size:
         return None
-    points = np.frombuffer(raw + bytes(_LENGTH.size), _POINT, count, at)
-    lengths_fit = (
-        (points['n_rate'] == 1).all()
-        and (points['n_acceleration'] == 1).all()
-        and not points['n_effort'].any()
-        and (points['n_next'][:-1] == 1).all()
-    )
-    if not lengths_fit:
-        return None
-    times = points['sec'] * np.int64(SECOND) + points['nanosec']
-    return Block(joint, times, *(np.array(points[name]) for name in ('position', 'rate', 'acceleration')))
+    return joint, at, count

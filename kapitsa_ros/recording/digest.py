@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import lru_cache
 from hashlib import sha256
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,10 @@ DIGEST_TOPIC = 'recorder/digest'
 """std_msgs/String, JSON: what the group of steps before it comes to."""
 DIGEST_KEY, LAST_GROUP_KEY = 'digest', 'last_group'
 """Keys of the bag's custom data: digest of the run, and of the last message about a group, to which the others lead."""
+MOTION_KEY = 'motion_chunks'
+"""Key of the SHA-256 over the content of the chunks that hold the motion, where no step of the run is missing."""
+MOST_STEPS = 10**12
+"""Larger numbers are damage: simulated time would not hold them."""
 SIZE = 16
 """Bytes of the digest of a message."""
 
@@ -33,17 +38,18 @@ def message_digest(raw: bytes) -> bytes:
     return sha256(raw).digest()[:SIZE]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Group:
-    """What was written with a few steps."""
+    """What was written with a few steps; a long run has many."""
 
     run: int
     first: int
     last: int
     """Step of the last message: with `end`, that of the end of the run."""
     end: bool
-    topics: Mapping[str, str]
-    """Digest of the messages on each topic, of those steps that have one."""
+    topics: tuple[str, ...]
+    digests: bytes
+    """Of the messages on each topic, of those steps that have one."""
     settings: Mapping[str, str]
     """Digest of the settings by role."""
     previous: str
@@ -51,9 +57,12 @@ class Group:
     own: str
     """Digest of the message about this one."""
 
-    def covers(self, step: int) -> bool:
-        """Whether a step, or the end of the run, is one of the group."""
-        return self.first <= step <= self.last
+    def digest(self, topic: str) -> str:
+        """Return the digest of the messages on a topic."""
+        if topic not in self.topics:
+            return digest_of(())
+        at = SIZE * self.topics.index(topic)
+        return self.digests[at : at + SIZE].hex()
 
 
 def digest_of(messages: Iterable[bytes]) -> str:
@@ -70,15 +79,34 @@ def parse_group(raw: bytes) -> Group | None:
             first=values['first'],
             last=values['last'],
             end=values['end'],
-            topics=dict(values['topics']),
-            settings=dict(values['settings']),
+            topics=_shared(tuple(values['topics'])),
+            digests=b''.join(map(_from_hexadecimal, values['topics'].values())),
+            settings=_shared_settings(tuple(values['settings'].items())),
             previous=values['previous'],
             own=message_digest(raw).hex(),
         )
-    except (ValueError, TypeError, KeyError, RecursionError):
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return None
     numbers = all(isinstance(each, int) for each in (group.run, group.first, group.last))
-    return group if numbers and 0 <= group.first <= group.last else None
+    return group if numbers and 0 <= group.first <= group.last <= MOST_STEPS else None
+
+
+def _from_hexadecimal(text: str) -> bytes:
+    digest = bytes.fromhex(text)
+    if len(digest) != SIZE:
+        raise ValueError(f'{text!r} is no digest')
+    return digest
+
+
+@lru_cache(maxsize=8)
+def _shared(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return equal names as one object: one group has those of the other."""
+    return names
+
+
+@lru_cache(maxsize=8)
+def _shared_settings(items: tuple[tuple[str, str], ...]) -> dict[str, str]:
+    return dict(items)
 
 
 class RunDigest:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kapitsa_ros.data_frame import data_frame, dataset
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import COMMAND, MOTION, PIVOT, STOPWATCH_READING, STROBE_READING
@@ -18,11 +19,15 @@ from kapitsa_ros.recording.errors import BagError
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
+    import pandas as pd
+    import xarray as xr
     from numpy.typing import NDArray
 
     from kapitsa_ros.recording.reader import RunBag
 
     Columns = dict[str, NDArray[Any]]
+
+_UNITS = {'_rad': 'rad', '_rad_s': 'rad/s', '_m': 'm', '_m_s': 'm/s', '_m_s2': 'm/s^2', '_s': 's'}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +78,34 @@ def joined(found: tuple[Table, ...]) -> Columns:
                 columns[name] = np.full(times.size, '' if values.dtype.kind == 'U' else np.nan, values.dtype)
                 columns[name][rows] = values
     return columns
+
+
+def frame_of(bag: RunBag, topics: tuple[str, ...] = ()) -> pd.DataFrame:
+    """Return topics of a run as one data frame; see `tables` and `joined`."""
+    frame = data_frame(joined(tables(bag, topics)))
+    frame.attrs |= described(bag)
+    return frame
+
+
+def dataset_of(bag: RunBag, topics: tuple[str, ...] = ()) -> xr.Dataset:
+    """Return topics of a run as a dataset, each with a dimension `time_TOPIC` of its own; see `tables`."""
+    variables = {}
+    for table in tables(bag, topics):
+        dimension = time_of(table)
+        for name, values in table.columns.items():
+            variables[dimension if name == 'time_s' else name] = (dimension, values, {'units': unit_of(name)})
+    return dataset(variables, described(bag))
+
+
+def time_of(table: Table) -> str:
+    """Return the name of a table's dimension, where each has its own."""
+    return f'time_{table.topic.replace("/", "_")}'
+
+
+def unit_of(column: str) -> str:
+    """Return the unit that a column's name ends with; 1 for a number."""
+    ends = [end for end in _UNITS if column.endswith(end)]
+    return _UNITS[max(ends, key=len)] if ends else '1'
 
 
 def described(bag: RunBag) -> dict[str, str]:

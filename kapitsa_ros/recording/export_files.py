@@ -16,8 +16,8 @@ from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.network.registry import MOTION
 from kapitsa_ros.network.typestore import new_message, new_time, serialise
 from kapitsa_ros.output_file import check_output, replacing
-from kapitsa_ros.recording.export import described, joined, tables
-from kapitsa_ros.recording.storage_control import BagWriter
+from kapitsa_ros.recording.bag_writer import BagWriter
+from kapitsa_ros.recording.export import described, joined, tables, time_of, unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.recording.reader import RunBag
 
 JOINT_STATES = 'joint-states'
-_UNITS = {'_rad': 'rad', '_rad_s': 'rad/s', '_m': 'm', '_m_s': 'm/s', '_m_s2': 'm/s^2', '_s': 's'}
 _JOINT_STATE = 'sensor_msgs/msg/JointState'
 
 
@@ -101,11 +100,11 @@ def _write_netcdf(path: Path, found: tuple[Table, ...], about: Mapping[str, str]
         for name, value in about.items():
             setattr(file, name, value.encode())
         for table in found:
-            dimension = f'time_{table.topic.replace("/", "_")}'
+            dimension = time_of(table)
             rows += table.columns['time_s'].size
             file.createDimension(dimension, table.columns['time_s'].size)
             for name, values in table.columns.items():
-                _put(file, dimension if name == 'time_s' else name, dimension, values, unit=_unit(name))
+                _put(file, dimension if name == 'time_s' else name, dimension, values, unit=unit_of(name))
     return rows
 
 
@@ -120,11 +119,6 @@ def _put(file: Any, name: str, dimension: str, values: Any, *, unit: str) -> Non
         variable = file.createVariable(name, 'd', (dimension,))
         variable[:] = values
         variable.units = unit.encode()
-
-
-def _unit(column: str) -> str:
-    ends = [end for end in _UNITS if column.endswith(end)]
-    return _UNITS[max(ends, key=len)] if ends else '1'
 
 
 def _write_joint_states(bag: RunBag, path: Path) -> int:

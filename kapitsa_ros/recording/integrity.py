@@ -7,12 +7,16 @@ from hashlib import sha256
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kapitsa_ros.network.registry import RECORDED, REPLAYED
 from kapitsa_ros.recording.digest import DIGEST_KEY, LAST_GROUP_KEY, Group, digest_of
-from kapitsa_ros.recording.run_index import in_ranges, steps_text
+from kapitsa_ros.recording.run_index import all_steps, in_ranges, steps_text
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+
+    from numpy.typing import NDArray
 
     from kapitsa_ros.recording.message_table import MessageTable
     from kapitsa_ros.recording.run_index import RunIndex
@@ -82,16 +86,16 @@ def _last_group(index: RunIndex) -> str | None:
 
 
 def _check_groups(index: RunIndex, table: MessageTable, found: Integrity) -> None:
-    kept: set[int] = set()
+    kept: list[tuple[int, int]] = []
     wrong: set[str] = set()
     for group in index.groups:
         damaged = _damaged_topics(group, index, table)
         wrong |= damaged
         if not damaged:
-            kept.update(range(group.first, group.last + 1))
+            kept.append((group.first, group.last))
     topics = [*index.steps, *(set(index.ends) - set(index.steps))]
-    there = {step for topic in topics for each in (index.steps, index.ends) for step in each.get(topic, {})}
-    for first, last in (lost := in_ranges(sorted(there - kept))):
+    there = all_steps(each[topic] for topic in topics for each in (index.steps, index.ends))
+    for first, last in (lost := in_ranges(map(int, there[~_within(there, kept)]))):
         for topic in topics:
             index.drop(topic, first, last)
     if lost:
@@ -100,16 +104,21 @@ def _check_groups(index: RunIndex, table: MessageTable, found: Integrity) -> Non
     found.ok = not lost and not wrong
 
 
+def _within(steps: NDArray[np.int64], ranges: list[tuple[int, int]]) -> NDArray[np.bool_]:
+    """Return which steps lie in one of several ranges, of which first and last are given."""
+    firsts, lasts = np.array([(-1, -1), *sorted(ranges)], np.int64).T
+    return np.maximum.accumulate(lasts)[np.searchsorted(firsts, steps, 'right') - 1] >= steps
+
+
 def _damaged_topics(group: Group, index: RunIndex, table: MessageTable) -> set[str]:
     span = range(group.first, group.last + 1)
     if len(span) > 10 * sum(map(len, index.steps.values())) + 10:
         return {'recorder/digest'}
     damaged = {topic for topic, step in index.conflicts if step in span}
     for topic in {topic.name for topic in RECORDED} | set(group.topics):
-        steps, ends = index.steps.get(topic, {}), index.ends.get(topic, {})
-        messages = [table.digest(steps[step]) for step in span if step in steps]
-        messages += [table.digest(ends[step]) for step in span if step in ends]
-        if digest_of(messages) != group.topics.get(topic, digest_of(())):
+        numbers = [each[topic].get(step) for each in (index.steps, index.ends) for step in span]
+        messages = [table.digest(number) for number in numbers if number is not None]
+        if digest_of(messages) != group.digest(topic):
             damaged.add(topic)
     return damaged
 

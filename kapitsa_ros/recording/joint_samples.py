@@ -14,7 +14,7 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import COMMAND, STROBE_READING
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.typestore import deserialise
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.storage.bag_files import BagFiles
 from kapitsa_ros.recording.storage.stored_message import StoredTable
 
@@ -84,7 +84,7 @@ def read_joint(path: Path, joint: str) -> JointSamples:
     if not stamps.size or not np.ptp(stamps):
         defects.append(f'the headers on {topic} carry no time: that of recording is taken')
         stamps = recorded[kept]
-    return JointSamples(stamps_ns=stamps, position=position, rate=rate, defects=tuple(defects))
+    return JointSamples(stamps_ns=stamps, position=position, rate=rate, defects=tuple(map(printable, defects)))
 
 
 def _rows(data: Any) -> list[bytes]:

@@ -7,14 +7,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kapitsa_ros.data_frame import data_frame
+from kapitsa_ros.data_frame import data_frame, dataset
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.recording.errors import BagError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import pandas as pd
+    import xarray as xr
+    from numpy.typing import NDArray
 
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
@@ -34,19 +37,49 @@ class Motion:
     lost: float
     """Seconds of motion missing there."""
 
+    @property
+    def sample_rate(self) -> float:
+        """Samples a second.
+
+        Raises
+        ------
+        BagError
+            Some are missing, or they are not equally far apart: what takes them for even would be wrong.
+
+        """
+        periods = np.diff(self.stamps_ns)
+        if self.gaps:
+            raise BagError(f'{self.lost:g} s of the motion are missing in {self.gaps} place(s): it has no one rate')
+        if not periods.size or np.ptp(periods):
+            raise BagError('the samples of the motion are not equally far apart: it has no one rate')
+        return float(SECOND / periods[0])
+
     def to_pandas(self) -> pd.DataFrame:
-        """Return a row a sample, times from the first on."""
+        """Return a row a sample, times from the first on; `attrs` has `gaps` and `lost_s`."""
+        frame = data_frame(self._columns())
+        frame.attrs |= {'gaps': self.gaps, 'lost_s': self.lost}
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return angle and rate over `time_s`, from the first sample on; `attrs` has `gaps` and `lost_s`."""
+        units = {'time_s': 's', 'angle_rad': 'rad', 'rate_rad_s': 'rad/s'}
+        variables = {name: ('time_s', values, {'units': units[name]}) for name, values in self._columns().items()}
+        return dataset(variables, {'gaps': self.gaps, 'lost_s': self.lost})
+
+    def _columns(self) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
         seconds = (self.stamps_ns - self.stamps_ns[:1]) / SECOND
-        return data_frame({'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate})
+        return {'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate}
 
 
-def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
+def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]], begin: int = 0) -> Motion:
     """Return the motion that blocks make, of which each holds both its ends.
 
     Parameters
     ----------
     blocks
         Step, stamp (ns) and motion of each, in the order of the steps.
+    begin
+        The step that ought to be the first.
 
     Raises
     ------
@@ -59,8 +92,8 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     late, count = 0.0, 0
     for step, stamp, samples in blocks:
         times = np.arange(samples.position.size) * round(samples.period * SECOND)
-        if not stamps and step:
-            count, late = 1, step * samples.period * (samples.position.size - 1)
+        if not stamps and step > begin:
+            count, late = 1, (step - begin) * samples.period * (samples.position.size - 1)
         stamps.append(stamp + times)
         angles.append(samples.position)
         rates.append(samples.rate)
@@ -68,7 +101,7 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
         empty = np.array([])
         return Motion(empty.astype(np.int64), empty, empty, 0, 0.0)
     angle, rate = np.concatenate(angles), np.concatenate(rates)
-    if np.abs(angle).max() > _WIDEST or np.abs(rate).max() > _FASTEST:
+    if not is_motion(angle, rate):
         raise WireError(f'a motion that reaches {np.abs(angle).max():g} rad and {np.abs(rate).max():g} rad/s is none')
     joined = np.concatenate(stamps)
     periods = np.diff(joined)
@@ -78,3 +111,9 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]]) -> Motion:
     gaps = periods[periods > period]
     lost = float((gaps - period).sum()) / SECOND
     return Motion(joined[fresh], angle[fresh], rate[fresh], gaps.size + count, lost + late)
+
+
+def is_motion(angle: NDArray[np.float64], rate: NDArray[np.float64]) -> bool:
+    """Whether a pendulum can move so; angle in rad, rate in rad/s."""
+    limits = ((angle, _WIDEST), (rate, _FASTEST))
+    return all(-limit <= values.min() and values.max() <= limit for values, limit in limits)

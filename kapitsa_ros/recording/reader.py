@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import cached_property
-from itertools import groupby
+from itertools import groupby, islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,9 +25,10 @@ from kapitsa_ros.network.settings import encode_settings, settings_topic
 from kapitsa_ros.network.step import Step
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
 from kapitsa_ros.recording.motion import Motion, joined_motion
+from kapitsa_ros.recording.processor import PROCESSOR_KEY, parse_processor
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import REQUIRED_ROLES, RUN_TOPICS, begun_runs, chosen_run, format_of
 from kapitsa_ros.recording.run_index import steps_text
@@ -35,6 +36,9 @@ from kapitsa_ros.recording.run_index import steps_text
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
     from os import PathLike
+
+    import pandas as pd
+    import xarray as xr
 
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.physics.sampled_motion import SampledMotion
@@ -105,6 +109,11 @@ class RunBag:
         return run_digest(self._index, self._recording.table)
 
     @property
+    def processor(self) -> tuple[str, ...] | None:
+        """Architecture and extensions of the processor that it was recorded on; None: the bag does not say."""
+        return parse_processor(self._recording.promise.custom.get(PROCESSOR_KEY))
+
+    @property
     def steps(self) -> int:
         """How many steps have a message."""
         return sum(not step_id.end for step_id in self._index.ids(_NAMES))
@@ -137,7 +146,8 @@ class RunBag:
     @cached_property
     def defects(self) -> tuple[str, ...]:
         """What is missing or damaged, a sentence each; empty for a bag that is as it should be."""
-        return (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        found = (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        return tuple(map(printable, found))
 
     def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, stamp of the step (ns) and bytes of the messages on the named topics, in the order of steps.
@@ -225,10 +235,27 @@ class RunBag:
             A block is not what its topic promises.
 
         """
+        return self._joined(self._on(MOTION.name), 0)
+
+    def motion_in_pieces(self, steps: int = 1000) -> Iterator[Motion]:
+        """Yield the motion so many steps at a time, for a run that is larger than memory.
+
+        Each begins with the sample at which the one before ended; what is missing counts to the one after it.
+
+        Raises
+        ------
+        BagError
+            A block is not what its topic promises.
+
+        """
+        blocks, begin = self._on(MOTION.name), 0
+        while piece := list(islice(blocks, steps)):
+            yield self._joined(piece, begin)
+            begin = piece[-1][0].step + 1
+
+    def _joined(self, blocks: Iterable[tuple[StepId, bytes]], begin: int) -> Motion:
         try:
-            return joined_motion(
-                (step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in self._on(MOTION.name)
-            )
+            return joined_motion(((step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in blocks), begin)
         except (WireError, OverflowError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 
@@ -255,6 +282,18 @@ class RunBag:
                 if not found or speed != found[-1][1]:
                     found.append(((stamp_of(raw) - start) / SECOND, speed))
         return tuple(found)
+
+    def to_pandas(self, *topics: str) -> pd.DataFrame:
+        """Return motion, pivot, commands and readings, or some topics; a row for each time that one of them has."""
+        from kapitsa_ros.recording.export import frame_of  # noqa: PLC0415  # it reads bags
+
+        return frame_of(self, topics)
+
+    def to_xarray(self, *topics: str) -> xr.Dataset:
+        """Return the same by topic, each over a time of its own, with units."""
+        from kapitsa_ros.recording.export import dataset_of  # noqa: PLC0415
+
+        return dataset_of(self, topics)
 
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""

@@ -11,7 +11,7 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import RECORDED, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, decode_settings, settings_topic
 from kapitsa_ros.network.step_id import ends_session
-from kapitsa_ros.recording.digest import DIGEST_TOPIC, message_digest, parse_group
+from kapitsa_ros.recording.digest import DIGEST_TOPIC, MOST_STEPS, message_digest, parse_group
 from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.message_table import MessageTable
 from kapitsa_ros.recording.run_index import RunIndex
@@ -28,7 +28,7 @@ _TYPES = {topic.name: topic.type for topic in RECORDED} | {
     settings_topic(role): SETTINGS_TYPE for role in described_by()
 }
 _ROLES = {settings_topic(role): role for role in described_by()}
-_MOST_RUNS, _MOST_STEPS = 10**6, 10**12
+_MOST_RUNS = 10**6
 """Larger numbers are damage: simulated time would not hold them."""
 _FEW = 5
 """Defects of one file that are told one by one."""
@@ -162,12 +162,14 @@ class Recording:
             step_id = read_step_id(message.data)
         except WireError:
             step_id = None
-        if step_id is None or step_id.run > _MOST_RUNS or step_id.step > _MOST_STEPS:
+        if step_id is None or step_id.run > _MOST_RUNS or step_id.step > MOST_STEPS:
             self._left_out[f'{message.topic} carries no number of a step'] += 1
             return
         if ends_session(step_id):
             return
-        run = self.runs.setdefault(step_id.run, RunIndex(step_id.run, len(self.table)))
+        run = self.runs.get(step_id.run)
+        if run is None:
+            run = self.runs[step_id.run] = RunIndex(step_id.run, len(self.table))
         digest = message_digest(message.data)
         there = run.find(message.topic, step_id)
         if there is None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import tempfile
 from dataclasses import dataclass
@@ -104,7 +105,8 @@ def _folder_beside(path: Path) -> tempfile.TemporaryDirectory[str]:
 
 def _write(run: RunBag, path: Path) -> None:
     _ = run.run  # what is no run is refused before anything is written
-    writer = RunWriter(path, run.storage, run.settings_texts, _STEPS_A_CHUNK)
+    processor = '' if run.processor is None else json.dumps(run.processor)
+    writer = RunWriter(path, run.storage, run.settings_texts, _STEPS_A_CHUNK, processor=processor)
     try:
         for _, step in groupby(run.raw(*_TOPICS), key=lambda message: read_step_id(message[2])):
             messages = list(step)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
-from itertools import pairwise
+from functools import reduce
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from kapitsa_ros.network.registry import REPLAYED, STROBE_READING
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.recording.step_map import StepMap
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
+
+    from numpy.typing import NDArray
 
     from kapitsa_ros.recording.digest import Group
 
@@ -22,9 +28,9 @@ class RunIndex:
     number: int
     begins: int
     """Number of the first message."""
-    steps: dict[str, dict[int, int]] = field(default_factory=dict)
+    steps: dict[str, StepMap] = field(default_factory=lambda: defaultdict(StepMap))
     """By topic and step."""
-    ends: dict[str, dict[int, int]] = field(default_factory=dict)
+    ends: dict[str, StepMap] = field(default_factory=lambda: defaultdict(StepMap))
     """Messages that say that the run is over before their step."""
     groups: list[Group] = field(default_factory=list)
     repeated: int = 0
@@ -34,27 +40,26 @@ class RunIndex:
 
     def find(self, topic: str, step_id: StepId) -> int | None:
         """Return the number of a message; None where there is none."""
-        return (self.ends if step_id.end else self.steps).get(topic, {}).get(step_id.step)
+        return (self.ends if step_id.end else self.steps)[topic].get(step_id.step)
 
     def put(self, topic: str, step_id: StepId, message: int) -> None:
         """Note where a message lies."""
-        (self.ends if step_id.end else self.steps).setdefault(topic, {})[step_id.step] = message
+        (self.ends if step_id.end else self.steps)[topic].put(step_id.step, message)
 
     def drop(self, topic: str, first: int, last: int) -> None:
         """Leave out what stands on a topic from a step to another."""
-        for found in (self.steps.get(topic, {}), self.ends.get(topic, {})):
-            for step in [each for each in found if first <= each <= last]:
-                del found[step]
+        for found in (self.steps[topic], self.ends[topic]):
+            found.drop(first, last)
 
     @property
     def present(self) -> list[str]:
         """Names of the topics of a run that have a message."""
-        return [topic.name for topic in REPLAYED if self.steps.get(topic.name)]
+        return [topic.name for topic in REPLAYED if self.steps[topic.name]]
 
     @property
     def end(self) -> int | None:
         """Step before which the run is over; None: its end is not there."""
-        return min(self.ends.get(STROBE_READING.name, ()), default=None)
+        return next(map(int, self.ends[STROBE_READING.name].steps()), None)
 
     @property
     def last(self) -> int:
@@ -64,22 +69,23 @@ class RunIndex:
         """
         if self.end is not None:
             return self.end - 1
-        on_all = [self.steps[topic].keys() for topic in self.present]
-        return max(set(on_all[0]).intersection(*on_all[1:]), default=-1) if on_all else -1
+        on_all = [self.steps[topic].steps() for topic in self.present]
+        return next(map(int, reduce(np.intersect1d, on_all)[::-1]), -1) if on_all else -1
 
     def ids(self, topics: Iterable[str]) -> Iterator[StepId]:
         """Yield the numbers of the steps that have a message on some of the topics, in order; then of the end."""
         names, last, end = list(topics), self.last, self.end
-        steps = {step for topic in names for step in self.steps.get(topic, {}) if step <= last}
-        yield from (StepId(self.number, step) for step in sorted(steps))
-        if end is not None and any(end in self.ends.get(topic, {}) for topic in names):
+        steps = all_steps(self.steps[topic] for topic in names)
+        yield from (StepId(self.number, int(step)) for step in steps[steps <= last])
+        if end is not None and any(self.ends[topic].get(end) is not None for topic in names):
             yield StepId(self.number, end, end=True)
 
     def missing(self, topic: str) -> tuple[tuple[int, int], ...]:
         """Return first and last of each stretch of steps that a topic lacks, up to the last step of the run."""
-        last = self.last
-        edges = [-1, *sorted(step for step in self.steps.get(topic, {}) if step <= last), last + 1]
-        return tuple((left + 1, right - 1) for left, right in pairwise(edges) if right - left > 1)
+        steps, last = self.steps[topic].steps(), self.last
+        edges = np.concatenate(([-1], steps[steps <= last], [last + 1]))
+        before = np.flatnonzero(np.diff(edges) > 1)
+        return tuple(zip((edges[before] + 1).tolist(), (edges[before + 1] - 1).tolist(), strict=True))
 
     def defects(self) -> list[str]:
         """Return what is missing or stands twice, a sentence each."""
@@ -103,6 +109,11 @@ class RunIndex:
     def messages(self) -> int:
         """How many there are."""
         return sum(len(found) for by_topic in (self.steps, self.ends) for found in by_topic.values())
+
+
+def all_steps(maps: Iterable[StepMap]) -> NDArray[np.int64]:
+    """Return the steps that have a message in one of several, in order."""
+    return np.unique(np.concatenate([np.zeros(0, np.int64), *(each.steps() for each in maps)]))
 
 
 def in_ranges(numbers: Iterable[int]) -> list[tuple[int, int]]:

@@ -7,37 +7,15 @@ from __future__ import annotations
 
 import fcntl
 import os
-import sqlite3
 from abc import ABC, abstractmethod
 from contextlib import suppress
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rosbags.rosbag2 import StoragePlugin, Writer
-from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
-
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from rosbags.rosbag2 import CompressionMode
-
-
-class _Sqlite3Storage(Sqlite3Writer):
-    """As rosbags writes it; but rosbags takes a name with `?`, `#` or `%` for another one."""
-
-    def __init__(self, path: Path, compression: CompressionMode) -> None:  # noqa: ARG002 - sqlite has none
-        self.path = path / f'{path.name}_0.db3'
-        self.conn = sqlite3.connect(self.path)
-        self.conn.execute('PRAGMA journal_mode=WAL')
-        self.conn.execute('PRAGMA synchronous=NORMAL')
-        self.conn.executescript(self.SQLITE_SCHEMA)
-        self.cursor = self.conn.cursor()
-
-
-class BagWriter(Writer):
-    """The writer of rosbags, for any name of a folder."""
-
-    STORAGE_PLUGINS: Mapping[StoragePlugin, Any] = {**Writer.STORAGE_PLUGINS, StoragePlugin.SQLITE3: _Sqlite3Storage}
+    from rosbags.interfaces import Connection
+    from rosbags.rosbag2 import Writer
 
 
 class StorageControl(ABC):
@@ -52,13 +30,22 @@ class StorageControl(ABC):
 
     def __init__(self, writer: Writer) -> None:
         storage: Any = writer.storage
-        self._folder, self._storage = Path(writer.path), storage
+        self._writer, self._folder, self._storage = writer, Path(writer.path), storage
         old = Path(self._storage.path)
         self._path = old.with_name(f'{self._folder.name}_0{old.suffix}')
         self._rename(old)
         self._storage.path = self._path
         self._lock: int | None = _locked(self._folder)
         _sync_file(self._folder.parent)
+
+    @property
+    def seal(self) -> str | None:
+        """SHA-256 over what was written apart, as it stands in the file; None where nothing stands apart."""
+        return None
+
+    def write(self, connection: Connection, stamp_ns: int, raw: bytes, *, apart: bool) -> None:  # noqa: ARG002 - of MCAP
+        """Write a message; `apart` from others, where the storage has a way to read them alone then."""
+        self._writer.write(connection, stamp_ns, raw)
 
     def release(self) -> None:
         """Let others have the bag."""
@@ -89,11 +76,42 @@ class StorageControl(ABC):
 
 
 class McapControl(StorageControl):
-    """An MCAP file: what a chunk holds is handed over with it."""
+    """An MCAP file: what a chunk holds is handed over with it; what is written apart has chunks of its own.
+
+    Parameters
+    ----------
+    writer
+        Nothing has been written with it.
+
+    """
+
+    def __init__(self, writer: Writer) -> None:
+        super().__init__(writer)
+        self._apart: list[tuple[Connection, int, bytes]] = []
+        self._hash = sha256()
+
+    @property
+    def seal(self) -> str | None:
+        """SHA-256 over the content of the chunks of what was written apart."""
+        return self._hash.hexdigest()
+
+    def write(self, connection: Connection, stamp_ns: int, raw: bytes, *, apart: bool) -> None:
+        """Write a message, or keep it until the chunk is closed."""
+        if apart:
+            self._apart.append((connection, stamp_ns, raw))
+        else:
+            self._writer.write(connection, stamp_ns, raw)
 
     def flush(self) -> None:
-        """Close the chunk."""
-        self._storage.close_chunk()
+        """Close the chunk, and write that of the messages apart."""
+        if self._storage.chunk.bio.tell():
+            self._storage.close_chunk()
+        if self._apart:
+            self._storage.on_chunk = self._hash.update
+            for each in self._apart:
+                self._writer.write(*each)
+            self._storage.close_chunk()
+            self._storage.on_chunk, self._apart = None, []
         self._storage.bio.flush()
 
     def sync(self) -> None:
@@ -101,7 +119,8 @@ class McapControl(StorageControl):
         os.fdatasync(self._storage.bio.fileno())
 
     def settle(self) -> None:
-        """Nothing is to be done: it is one file."""
+        """Write what was kept."""
+        self.flush()
 
     def _rename(self, old: Path) -> None:
         old.rename(self._path)

@@ -12,18 +12,22 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.network.cdr import read_step_id
-from kapitsa_ros.network.registry import RECORDED
+from kapitsa_ros.network.registry import MOTION, RECORDED
 from kapitsa_ros.network.settings import SETTINGS_TYPE, encode_settings, settings_topic
 from kapitsa_ros.network.step_clock import SECOND
-from kapitsa_ros.recording.digest import DIGEST_KEY, DIGEST_TOPIC, LAST_GROUP_KEY, RunDigest
+from kapitsa_ros.recording.bag_writer import BagWriter
+from kapitsa_ros.recording.digest import DIGEST_KEY, DIGEST_TOPIC, LAST_GROUP_KEY, MOTION_KEY, RunDigest
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS, BagWriter
+from kapitsa_ros.recording.processor import PROCESSOR_KEY, processor_text
+from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from rosbags.interfaces import Connection
+
+    from kapitsa_ros.network.step_id import StepId
 
 STORAGES = tuple(STORAGE_CONTROLS)
 FORMAT = 2
@@ -64,6 +68,8 @@ class RunWriter:
         So many steps are kept back at most, and no more than half a simulated second.
     clock
         Wall time in seconds; tells when to put on disk what was given to it.
+    processor
+        On which the run was computed, where that is not this one (empty: nobody knows); see `processor_text`.
 
     Raises
     ------
@@ -78,15 +84,20 @@ class RunWriter:
         storage: str,
         settings: Mapping[str, str],
         steps_a_chunk: int,
+        *,
         clock: Callable[[], float] = time.monotonic,
+        processor: str | None = None,
     ) -> None:
         self.path = path
+        self._processor = processor_text() if processor is None else processor
         self._settings = settings
         self._steps_a_chunk = steps_a_chunk
         self._steps = 0
         self._in_chunk = 0
         self._chunk_begin = self._last_stamp = 0
         self._digest = RunDigest(settings)
+        self._last_id: StepId | None = None
+        self._gapless = True
         self._clock = clock
         self._synced_at, self._to_sync = clock(), False
         try:
@@ -121,8 +132,11 @@ class RunWriter:
                 self._chunk_begin = stamp_ns
             for topic, connection in self._connections.items():
                 if topic in messages:
-                    self._writer.write(connection, stamp_ns, messages[topic])
-            self._digest.add(read_step_id(next(iter(messages.values()))), messages)
+                    self._storage.write(connection, stamp_ns, messages[topic], apart=topic == MOTION.name)
+            step_id = read_step_id(next(iter(messages.values())))
+            self._gapless = self._gapless and step_id.follows(self._last_id) and MOTION.name in messages
+            self._last_id = step_id
+            self._digest.add(step_id, messages)
             self._steps += 1
             self._in_chunk += 1
             with_next = stamp_ns - self._chunk_begin + 2 * (stamp_ns - self._last_stamp)
@@ -169,7 +183,11 @@ class RunWriter:
             self._writer.set_custom_data(COMPLETE, str(complete).lower())
             self._writer.set_custom_data(DIGEST_KEY, self._digest.value)
             self._writer.set_custom_data(LAST_GROUP_KEY, self._digest.last_group)
+            if self._processor:
+                self._writer.set_custom_data(PROCESSOR_KEY, self._processor)
             self._storage.settle()
+            if complete and self._gapless and (seal := self._storage.seal) is not None:
+                self._writer.set_custom_data(MOTION_KEY, seal)
             self._writer.close()
             self._storage.sync_closed()
         except (OSError, sqlite3.Error) as error:

@@ -15,12 +15,13 @@ import kapitsa_ros as kr
 CHECKOUT = Path(__file__).parents[2]
 SCRIPTS = CHECKOUT / 'examples' / 'front_door'
 BAGS = sorted((CHECKOUT / 'bags').glob('run_*'))
-ARGUMENTS = {'read_bag': BAGS[:1], 'report': BAGS, 'verify': BAGS}
+ARGUMENTS = {'read_bag': BAGS[:1], 'read_motion': BAGS[:1], 'report': BAGS, 'verify': BAGS}
 SAID = {
     'theory': 'critical speed  141.875 rad/s (1354.8 RPM)',
     'simulate': 'speed     261.799 rad/s (2500 RPM)',
     'stability_map': 'speeds      700 of 52.3599 rad/s (500 RPM)',
     'read_bag': 'angle_rad',
+    'read_motion': ' samples, 0 gaps\n',
     'reduce': 'inverse ols          171.74 rad/s (1639.99 RPM)',
     'explain': 'inertia_factor',
     'figures': 'figures/figure_2.svg',

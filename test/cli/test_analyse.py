@@ -99,6 +99,7 @@ def test_a_bag_says_what_is_in_it():
         'seed': 1997,
         'plant': values['plant'],
         'versions': values['versions'],
+        'processor': None,
         'defects': [],
     }
     assert values['plant']['coulomb'] == 0.7

@@ -3,6 +3,7 @@
 import json
 import struct
 from collections.abc import Callable, Iterable
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,13 @@ from rosbags.typesys import Stores, get_typestore
 from kapitsa_ros.cli.commands.verify import verify
 from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.cdr import read_step_id
-from kapitsa_ros.network.registry import STOPWATCH_READING
+from kapitsa_ros.network.registry import MOTION, REPLAYED, STOPWATCH_READING
 from kapitsa_ros.network.settings import decode_settings, encode_settings
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.processor import parse_processor, processor, processor_text
 from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.writer import RunWriter
 
 SHIPPED = Path(__file__).parents[2] / 'bags'
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -129,3 +132,48 @@ def test_a_digest_alone() -> None:
     other = CliRunner().invoke(verify, [str(bag), '--digest', DIGESTS['run_01_2240rpm']])
     assert other.exit_code == 1
     assert f'but the digest is {DIGESTS["run_02_2640rpm"]}' in other.stdout
+
+
+def recorded_elsewhere(path: Path, processor: str, *, bend: bool) -> Path:
+    """Return a shipped run as another machine might have recorded it, one sample with another last bit or not."""
+    shipped = RunBag(SHIPPED / 'run_02_2640rpm')
+    writer = RunWriter(path, 'mcap', shipped.settings_texts, 5, processor=processor)
+    names = [topic.name for topic in REPLAYED]
+    for step_id, step in groupby(shipped.raw(*names), key=lambda message: read_step_id(message[2])):
+        found = list(step)
+        messages = {topic: raw for topic, _, raw in found}
+        if bend and step_id.step == 7:
+            raw = messages[MOTION.name]
+            messages[MOTION.name] = raw[:-108] + bytes([raw[-108] ^ 2]) + raw[-107:]  # the last angle but one
+        writer.write_step(found[0][1], messages)
+    writer.close(complete=True)
+    return path
+
+
+def test_the_answer_tells_the_processor_it_was_recorded_on(tmp_path: Path) -> None:
+    (tmp_path / 'runs').mkdir()
+    for name, text in (('here', processor_text()), ('elsewhere', '["x86_64", "Z80"]'), ('unknown', '')):
+        recorded_elsewhere(tmp_path / 'runs' / name, text, bend=True)
+    recorded_elsewhere(tmp_path / 'runs' / 'same', '["x86_64", "Z80"]', bend=False)
+    runner = CliRunner()
+    answer, said = (runner.invoke(verify, [str(tmp_path / 'runs'), *how]).stdout for how in (['--json'], []))
+    values = {Path(each['bag']).name: each for each in json.loads(answer)['bags']}
+    lines = {Path(line.split(',')[0]).name: line for line in said.splitlines()}
+    here = list(processor())
+    assert values['here']['other_processor'] is None
+    assert values['elsewhere']['other_processor'] == {'recorded': ['x86_64', 'Z80'], 'here': here}
+    assert values['unknown']['other_processor'] == {'recorded': None, 'here': here}
+    assert values['same']['identical']
+    for name in ('here', 'elsewhere', 'unknown'):
+        assert (values[name]['identical'], values[name]['largest_ulp']) == (False, 2)
+        assert values[name]['first_difference']['step'] == 7
+        assert 'largest difference 2 ULP' in lines[name]
+    assert 'identical, digest' in lines['same']
+    assert 'recorded with a processor with Z80, here a processor with' in lines['elsewhere']
+    assert 'a processor that the bag does not tell, here a processor with' in lines['unknown']
+
+
+@pytest.mark.parametrize('text', [None, '', '7', '{}', '[7]', '["a\\nb"]', '[' * 100_000])
+def test_what_is_no_processor_is_none(text: str | None) -> None:
+    assert parse_processor(text) is None
+    assert parse_processor(processor_text()) == processor()

@@ -302,6 +302,7 @@ def plots(layout: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
 
 
 LAYOUTS = ('foxglove.json', 'foxglove_bag.json')
+EXPORTED = 'foxglove_joint_states.json'  # its paths: test_other_readers.py
 
 
 @pytest.mark.parametrize('name', LAYOUTS)
@@ -319,7 +320,7 @@ def test_foxglove_plots_fields_that_exist(name: str) -> None:
             assert path == f'position[{JOINTS.index(title.split(",")[0].lower())}]'
 
 
-@pytest.mark.parametrize('name', LAYOUTS)
+@pytest.mark.parametrize('name', [*LAYOUTS, EXPORTED])
 def test_foxglove_lays_out_every_panel_once(name: str) -> None:
     layout = foxglove(name)
 

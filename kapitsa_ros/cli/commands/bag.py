@@ -123,6 +123,7 @@ def _values(opened: RunBag) -> dict[str, Any]:
         'seed': run.settings['strobe'].get('seed'),
         'plant': asdict(run.plant),
         'versions': run.settings['jigsaw'].get('versions'),
+        'processor': opened.processor,
         'defects': list(opened.defects),
     }
 

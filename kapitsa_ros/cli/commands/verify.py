@@ -29,6 +29,7 @@ def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: 
     from kapitsa_ros._api.verify import verify as call  # noqa: PLC0415
     from kapitsa_ros.cli.node_server import node_server  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_progress  # noqa: PLC0415
+    from kapitsa_ros.recording.processor import processor  # noqa: PLC0415
     from kapitsa_ros.versions import versions  # noqa: PLC0415
 
     with (
@@ -36,7 +37,7 @@ def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: 
         shown_progress(len(bags)) if graph else nullcontext() as on_progress,
     ):
         runs = call(bags, digest, graph=graph, on_progress=on_progress)
-    values = [_values(run, versions()) for run in runs]
+    values = [_values(run, versions(), processor()) for run in runs]
     for run in runs:
         for defect in run.bag.defects:
             warn(f'{run.bag.path}: {defect}')
@@ -49,7 +50,7 @@ def verify(*, bags: tuple[Path, ...], digest: str | None, graph: bool, as_json: 
         sys.exit(FAILED)
 
 
-def _values(run: VerifiedRun, here: dict[str, str]) -> dict[str, Any]:
+def _values(run: VerifiedRun, here: dict[str, str], processor_here: tuple[str, ...]) -> dict[str, Any]:
     found = run.verification
     recorded = run.bag.run.settings['jigsaw'].get('versions', {})
     return {
@@ -64,6 +65,9 @@ def _values(run: VerifiedRun, here: dict[str, str]) -> dict[str, Any]:
             for name, version in here.items()
             if recorded.get(name) != version
         },
+        'other_processor': None
+        if run.bag.processor == processor_here
+        else {'recorded': run.bag.processor, 'here': processor_here},
     }
 
 
@@ -78,7 +82,17 @@ def _sentence(value: dict[str, Any]) -> str:
         f'{which}: {first["topic"]} differs first at step {first["step"]}, {first["field"]}: '
         f'recorded {first["recorded"]}, computed {first["recomputed"]}; largest difference {value["largest_ulp"]} ULP'
     )
-    others = ', '.join(
-        f'{name} {each["recorded"]}, here {each["here"]}' for name, each in value['other_versions'].items()
-    )
-    return f'{text}; recorded with {others}: a change is only what differs under the same' if others else text
+    others = [f'{name} {each["recorded"]}, here {each["here"]}' for name, each in value['other_versions'].items()]
+    if (other := value['other_processor']) is not None:
+        recorded = 'a processor that the bag does not tell' if other['recorded'] is None else _only(other, 'recorded')
+        others.append(f'{recorded}, here {_only(other, "here")}')
+    if not others:
+        return f'{text}, under the same versions and on the same processor: something was changed'
+    return f'{text}; recorded with {"; ".join(others)}: a change is only what differs under the same'
+
+
+def _only(processors: dict[str, tuple[str, ...]], which: str) -> str:
+    """Return what one processor has and the other lacks, as a person names it."""
+    [other] = (processors[name] or () for name in processors if name != which)
+    own = [each for each in processors[which] if each not in other]
+    return f'a processor with {" ".join(own)}' if own else 'a processor without'

@@ -16,7 +16,9 @@ class DecompressionError(ValueError):
     """The bytes are not what they say they are."""
 
 
-def unpack_chunk(data: bytes, compression: str, size: int, crc: int) -> bytes:
+def unpack_chunk(
+    data: bytes, compression: str, size: int, crc: int, unpacker: zstandard.ZstdDecompressor | None = None
+) -> bytes:
     """Return what is in a chunk.
 
     Parameters
@@ -29,6 +31,8 @@ def unpack_chunk(data: bytes, compression: str, size: int, crc: int) -> bytes:
         Bytes when unpacked, as the chunk says.
     crc
         CRC-32 of the unpacked bytes; 0: none was recorded.
+    unpacker
+        Spares making one, for whoever unpacks many; it serves one thread.
 
     Raises
     ------
@@ -39,7 +43,7 @@ def unpack_chunk(data: bytes, compression: str, size: int, crc: int) -> bytes:
     if size > LARGEST:
         raise DecompressionError(f'it says that it unpacks to {size} bytes, more than {LARGEST}')
     if compression == 'zstd':
-        unpacked = _unpack_zstd(data, size)
+        unpacked = _unpack_zstd(data, size, unpacker)
     elif compression == 'lz4':
         try:
             # One byte more than announced, so that more is noticed.
@@ -54,7 +58,7 @@ def unpack_chunk(data: bytes, compression: str, size: int, crc: int) -> bytes:
         raise DecompressionError(f'it holds {len(unpacked)} bytes where it says {size}')
     if crc and zlib.crc32(unpacked) != crc:
         raise DecompressionError('its checksum does not match')
-    return bytes(unpacked)
+    return unpacked
 
 
 def unpack_message(data: bytes) -> bytes:
@@ -69,16 +73,17 @@ def unpack_message(data: bytes) -> bytes:
     return _unpack_zstd(data, LARGEST) if data.startswith(ZSTD_MAGIC) else data
 
 
-def _unpack_zstd(data: bytes, most: int) -> bytes:
+def _unpack_zstd(data: bytes, most: int, unpacker: zstandard.ZstdDecompressor | None = None) -> bytes:
+    unpacker = unpacker or zstandard.ZstdDecompressor()
     try:
         announced = zstandard.frame_content_size(data)  # -1: it does not say
         if announced > most:
             raise DecompressionError(f'it says that it unpacks to {announced} bytes, more than {most}')
         if announced < 0:
-            with zstandard.ZstdDecompressor().stream_reader(data) as stream:
+            with unpacker.stream_reader(data) as stream:
                 unpacked = stream.read(most + 1)
         else:
-            unpacked = zstandard.ZstdDecompressor().decompress(data, max_output_size=most)
+            unpacked = unpacker.decompress(data, max_output_size=most)
     except (zstandard.ZstdError, MemoryError) as error:
         raise DecompressionError(f'it cannot be unpacked ({error})') from error
     if len(unpacked) > most:

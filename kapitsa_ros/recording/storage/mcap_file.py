@@ -6,15 +6,15 @@ The records are those of the `mcap` package; its readers want a whole file, or g
 from __future__ import annotations
 
 import struct
+from array import array
 from collections import OrderedDict
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from contextlib import suppress
+from typing import TYPE_CHECKING
 
 import numpy as np
-from mcap.data_stream import ReadDataStream
-from mcap.exceptions import McapError
+import zstandard
 from mcap.opcode import Opcode
-from mcap.records import Channel, Chunk, ChunkIndex, Footer, Metadata, Schema
+from mcap.records import Channel, Footer, Metadata, Schema
 
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.storage.decompression import (
@@ -24,6 +24,15 @@ from kapitsa_ros.recording.storage.decompression import (
     unpack_chunk,
     unpack_message,
 )
+from kapitsa_ros.recording.storage.mcap_records import (
+    HEAD,
+    DamageError,
+    IndexedChunk,
+    parse,
+    parse_chunk,
+    parse_chunk_index,
+    records,
+)
 from kapitsa_ros.recording.storage.stored_message import StoredMessage, StoredTable
 
 if TYPE_CHECKING:
@@ -32,18 +41,13 @@ if TYPE_CHECKING:
     from typing import BinaryIO
 
 MAGIC = b'\x89MCAP0\r\n'
-_HEAD = struct.Struct('<BQ')
 _MESSAGE = struct.Struct('<HIQQ')
 _CHANNEL = struct.Struct('<H')
-_FOOTER_SIZE = _HEAD.size + 20
-_KEPT, _OVERHEAD = 2**26, 200
+_FOOTER_SIZE = HEAD.size + 20
+_KEPT, _OVERHEAD = 2**25, 200
 """Bytes of unpacked chunks that are kept, and what each costs besides."""
 _OUTSIDE = -1
 """Block of a message in no chunk."""
-
-
-class _DamageError(ValueError):
-    """The bytes at some place are no record."""
 
 
 class McapFile:
@@ -87,22 +91,59 @@ class McapFile:
     def scan_tables(self) -> Iterator[StoredMessage | StoredTable]:
         """Yield the same, a chunk as a table where all its messages are of one topic and size."""
         for op, at, body in self._records():
-            table = self._as_table(body) if op == Opcode.CHUNK else None
+            table = None
+            if op == Opcode.CHUNK:
+                with suppress(DamageError, DecompressionError):
+                    table = self._as_table(self._unpacked(body))
             if table is None:
                 yield from self._messages(op, at, body)
             else:
                 yield table
 
+    def chunks_of(self, topic: str) -> Iterator[tuple[bytes, bytes]]:
+        """Yield the chunks that the index has for one topic alone: as they stand in the file, and unpacked.
+
+        Nothing is checked: whoever knows what there has to be can tell by the first.
+
+        Raises
+        ------
+        ValueError
+            A chunk is damaged.
+
+        """
+        unpacker = zstandard.ZstdDecompressor()
+        alone: set[int] = set()
+        for indexed in self._summary():
+            alone = alone or {number for number, (name, _) in self._channels.items() if name == topic}
+            if indexed.channels == alone:
+                size = indexed.size - HEAD.size
+                if not 0 < size <= 2 * LARGEST or indexed.start > self._size:
+                    raise DamageError('a record cannot be')
+                chunk = parse_chunk(self._bytes(indexed.start + HEAD.size, size))
+                yield chunk.data, unpack_chunk(*chunk, unpacker)
+
+    def messages_in(self, content: bytes) -> list[StoredMessage | StoredTable]:
+        """Return what is in an unpacked chunk, or in several one after the other.
+
+        Raises
+        ------
+        ValueError
+            It is damaged.
+
+        """
+        table = self._as_table(content)
+        return list(self._in_chunk(_OUTSIDE, content)) if table is None else [table]
+
     def _records(self) -> Iterator[tuple[int, int, bytes]]:
         """Yield opcode, place and content of the records that can be read."""
         if self._bytes(0, len(MAGIC)) != MAGIC:
             raise BagError(f'{self.path} is no MCAP file')
-        starts = self._summary()
+        starts = array('q', (chunk.start for chunk in self._summary() if chunk.start < self._size))
         at = len(MAGIC)
         while at < self._size:
             try:
                 op, body = self._record(at)
-            except _DamageError as error:
+            except DamageError as error:
                 onward = min((start for start in starts if start > at), default=None)
                 if not self.finished:
                     self.cut_off = (
@@ -117,7 +158,7 @@ class McapFile:
             if op in (Opcode.DATA_END, Opcode.FOOTER):
                 return
             yield op, at, body
-            at += _HEAD.size + len(body)
+            at += HEAD.size + len(body)
 
     def read(self, block: int, at: int) -> bytes:
         """Return the data of a message at its place."""
@@ -127,8 +168,8 @@ class McapFile:
             self._keep(block, self._unpacked(self._record(block)[1]))
         self._chunks.move_to_end(block)
         content = self._chunks[block]
-        _, size = _HEAD.unpack_from(content, at)
-        return unpack_message(content[at + _HEAD.size + _MESSAGE.size : at + _HEAD.size + size])
+        _, size = HEAD.unpack_from(content, at)
+        return unpack_message(content[at + HEAD.size + _MESSAGE.size : at + HEAD.size + size])
 
     def _messages(self, op: int, at: int, body: bytes) -> Iterator[StoredMessage]:
         try:
@@ -140,28 +181,27 @@ class McapFile:
                 yield from self._in_chunk(at, content)
             else:
                 self._take(op, body)
-        except (_DamageError, DecompressionError) as error:
+        except (DamageError, DecompressionError) as error:
             self.defects.append(f'{self.path.name}: the record at byte {at} is damaged and left out: {error}')
 
-    def _as_table(self, body: bytes) -> StoredTable | None:
+    def _as_table(self, content: bytes) -> StoredTable | None:
         """Return a chunk's messages, if they are all of one topic and size; damage is for others to find."""
+        at = 0
         try:
-            content = self._unpacked(body)
-            at = 0
             while content[at : at + 1] not in (bytes([Opcode.MESSAGE]), b''):
-                op, size = _HEAD.unpack_from(content, at)
-                self._take(op, content[at + _HEAD.size : at + _HEAD.size + size])
-                at += _HEAD.size + size
-            _, size = _HEAD.unpack_from(content, at)
-            (channel,) = _CHANNEL.unpack_from(content, at + _HEAD.size)
-        except (_DamageError, DecompressionError, struct.error):
+                op, size = HEAD.unpack_from(content, at)
+                self._take(op, content[at + HEAD.size : at + HEAD.size + size])
+                at += HEAD.size + size
+            _, size = HEAD.unpack_from(content, at)
+            (channel,) = _CHANNEL.unpack_from(content, at + HEAD.size)
+        except (DamageError, struct.error):
             return None
-        stride, same = _HEAD.size + size, _HEAD.size + _CHANNEL.size
+        stride, same = HEAD.size + size, HEAD.size + _CHANNEL.size
         if size < _MESSAGE.size or (len(content) - at) % stride or channel not in self._channels:
             return None
         rows = np.frombuffer(content, np.uint8, offset=at).reshape(-1, stride)
-        data = rows[:, _HEAD.size + _MESSAGE.size :]
-        packed = content[at + _HEAD.size + _MESSAGE.size :].startswith(ZSTD_MAGIC)
+        data = rows[:, HEAD.size + _MESSAGE.size :]
+        packed = content[at + HEAD.size + _MESSAGE.size :].startswith(ZSTD_MAGIC)
         if packed or (rows[:, :same] != rows[0, :same]).any():
             return None
         stamps = rows[:, same + 4 : same + 12].copy().view('<i8')[:, 0]
@@ -170,12 +210,12 @@ class McapFile:
     def _in_chunk(self, block: int, content: bytes) -> Iterator[StoredMessage]:
         at = 0
         while at < len(content):
-            if at + _HEAD.size > len(content):
-                raise _DamageError('a record in it is cut off')
-            op, size = _HEAD.unpack_from(content, at)
-            begin = at + _HEAD.size
+            if at + HEAD.size > len(content):
+                raise DamageError('a record in it is cut off')
+            op, size = HEAD.unpack_from(content, at)
+            begin = at + HEAD.size
             if begin + size > len(content):
-                raise _DamageError('a record in it is longer than the chunk')
+                raise DamageError('a record in it is longer than the chunk')
             if op == Opcode.MESSAGE:
                 yield self._message(block, at, content[begin : begin + size])
             else:
@@ -184,63 +224,60 @@ class McapFile:
 
     def _message(self, block: int, at: int, body: bytes) -> StoredMessage:
         if len(body) < _MESSAGE.size:
-            raise _DamageError('a message in it is cut off')
+            raise DamageError('a message in it is cut off')
         channel, _, stamp, _ = _MESSAGE.unpack_from(body)
         if channel not in self._channels:
-            raise _DamageError(f'no topic is known for channel {channel}')
+            raise DamageError(f'no topic is known for channel {channel}')
         topic, kind = self._channels[channel]
         return StoredMessage(topic, kind, stamp, block, at, unpack_message(body[_MESSAGE.size :]))
 
     def _take(self, op: int, body: bytes) -> None:
         """Note what a record says of the messages."""
         if op == Opcode.SCHEMA:
-            schema: Schema = _parsed(Schema, body)
+            schema: Schema = parse(Schema, body)
             self._schemas[schema.id] = schema.name
         elif op == Opcode.CHANNEL:
-            channel: Channel = _parsed(Channel, body)
+            channel: Channel = parse(Channel, body)
             kind = self._schemas.get(channel.schema_id, '')
             self._channels[channel.id] = (channel.topic.removeprefix('/'), kind)
         elif op == Opcode.METADATA:
-            found: Metadata = _parsed(Metadata, body)
+            found: Metadata = parse(Metadata, body)
             if found.name == 'rosbag2':
                 self.metadata = found.metadata.get('serialized_metadata')
 
-    def _summary(self) -> list[int]:
-        """Read the index at the end, if there is one; return where chunks begin."""
-        starts: list[int] = []
+    def _summary(self) -> Iterator[IndexedChunk]:
+        """Read the index at the end, if there is one, and yield the chunks that it has."""
         self.finished = self._bytes(self._size - len(MAGIC), len(MAGIC)) == MAGIC and self._size > len(MAGIC)
         if not self.finished:
-            return starts
+            return
+        end = self._size - len(MAGIC) - _FOOTER_SIZE
         try:
-            _, body = self._record(self._size - len(MAGIC) - _FOOTER_SIZE)
-            footer: Footer = _parsed(Footer, body)
-            at = footer.summary_start
-            while 0 < at < self._size - len(MAGIC) - _FOOTER_SIZE:
-                op, body = self._record(at)
+            _, body = self._record(end)
+            footer: Footer = parse(Footer, body)
+            begin = footer.summary_start
+            summary = self._bytes(begin, end - begin) if 0 < begin < end < begin + LARGEST else b''
+            for op, body in records(summary):
                 if op == Opcode.CHUNK_INDEX:
-                    index: ChunkIndex = _parsed(ChunkIndex, body)
-                    starts.append(index.chunk_start_offset)
+                    yield parse_chunk_index(body)
                 else:
                     self._take(op, body)
-                at += _HEAD.size + len(body)
-        except _DamageError:
+        except DamageError:
             self.defects.append(f'{self.path.name}: its index is damaged')
-        return starts
 
     def _record(self, at: int) -> tuple[int, bytes]:
-        head = self._bytes(at, _HEAD.size)
-        if len(head) < _HEAD.size:
-            raise _DamageError('a record is cut off')
-        op, size = _HEAD.unpack(head)
-        if at + _HEAD.size + size > self._size:
-            raise _DamageError('a record is longer than the file')
+        head = self._bytes(at, HEAD.size)
+        if len(head) < HEAD.size:
+            raise DamageError('a record is cut off')
+        op, size = HEAD.unpack(head)
+        if at + HEAD.size + size > self._size:
+            raise DamageError('a record is longer than the file')
         if not op or size > 2 * LARGEST:
-            raise _DamageError('a record cannot be')
-        return op, self._bytes(at + _HEAD.size, size)
+            raise DamageError('a record cannot be')
+        return op, self._bytes(at + HEAD.size, size)
 
-    def _unpacked(self, body: bytes) -> bytes:
-        chunk: Chunk = _parsed(Chunk, body)
-        return unpack_chunk(chunk.data, chunk.compression, chunk.uncompressed_size, chunk.uncompressed_crc)
+    @staticmethod
+    def _unpacked(body: bytes) -> bytes:
+        return unpack_chunk(*parse_chunk(body))
 
     def _keep(self, block: int, content: bytes) -> None:
         if block not in self._chunks:
@@ -257,10 +294,3 @@ class McapFile:
             return self._file.read(size)
         except OSError as error:
             raise BagError(f'{self.path} cannot be read: {error.strerror}') from error
-
-
-def _parsed(kind: Any, body: bytes) -> Any:
-    try:
-        return kind.read(ReadDataStream(BytesIO(body)))
-    except (McapError, ValueError, struct.error, KeyError, OverflowError, MemoryError) as error:
-        raise _DamageError(f'a {kind.__name__} is none') from error

@@ -1,0 +1,94 @@
+"""A bag larger than the memory that reading it may take."""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages, write
+
+from kapitsa_ros.network.cdr import decode_block, encode_block
+from kapitsa_ros.network.registry import MOTION, PIVOT
+from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.writer import RunWriter
+
+GB = 10**9
+ANALYSIS = """
+import json, resource, sys
+from kapitsa_ros.recording.reader import RunBag
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+bag = RunBag(sys.argv[1])
+run, samples, lost = bag.run, 0, 0.0
+for piece in bag.motion_in_pieces():
+    samples, lost = samples + piece.angle.size - 1, lost + piece.lost
+after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+print(json.dumps([before, after, bag.steps, run.complete, bag.integrity.ok, samples, lost, list(bag.defects)]))
+"""
+
+
+def record(path: Path, size: int, samples: int) -> int:
+    """Record a run whose steps repeat until the file has so many bytes; return their number."""
+    writer = RunWriter(path, 'sqlite3', SETTINGS, 5)
+    first = step_messages(StepId(1, 0), samples)
+    blocks = {topic.name: decode_block(first[topic.name]) for topic in (PIVOT, MOTION)}
+    steps = size // sum(map(len, first.values()))
+    for step in range(steps):
+        number = StepId(1, step)
+        stamp = CLOCK.start_ns(number)
+        moving = {name: encode_block(stamp, number, block) for name, block in blocks.items() if block is not None}
+        writer.write_step(stamp, step_messages(number, 2) | moving)
+    end = StepId(1, steps, end=True)
+    writer.write_step(CLOCK.start_ns(end), step_messages(end))
+    writer.close(complete=True)
+    return steps
+
+
+def read(path: Path) -> list[object]:
+    done = subprocess.run([sys.executable, '-c', ANALYSIS, str(path)], capture_output=True, text=True, check=True)
+    values: list[object] = json.loads(done.stdout)
+    return values
+
+
+@pytest.mark.slow
+def test_ten_gigabytes_are_read_in_less_than_one(tmp_path: Path) -> None:
+    if shutil.disk_usage(tmp_path).free < 25 * GB:
+        pytest.skip('needs 25 GB of disk')
+    steps = record(tmp_path / 'run', 10 * GB, 1000)
+    try:
+        assert (tmp_path / 'run' / 'run_0.db3').stat().st_size > 10 * GB
+        _, after, *found = read(tmp_path / 'run')
+        print('10 GB:', steps, 'steps,', after, 'kB')  # noqa: T201 - the figure
+    finally:
+        shutil.rmtree(tmp_path / 'run')
+    assert found == [steps, True, True, 1000 * steps, 0.0, []]
+    assert isinstance(after, int)
+    assert after * 1024 < GB
+
+
+def test_pieces_make_the_motion(tmp_path: Path) -> None:
+    """A step is lost where a piece ends, and one within a piece."""
+    for left_out in (None, 4, 6):
+        bag = RunBag(write(tmp_path / f'run_{left_out}', leave_out=left_out))
+        whole, pieces = bag.motion, list(bag.motion_in_pieces(steps=4))
+        assert len(pieces) == 3
+        rest = [piece.angle[0 if left_out == 4 and number == 1 else 1 :] for number, piece in enumerate(pieces[1:], 1)]
+        assert np.concatenate([pieces[0].angle, *rest]).tobytes() == whole.angle.tobytes()
+        assert sum(piece.gaps for piece in pieces) == whole.gaps == (left_out is not None)
+        assert sum(piece.lost for piece in pieces) == pytest.approx(whole.lost, abs=0.0011)
+
+
+def test_memory_grows_by_the_message_and_not_by_the_byte(tmp_path: Path) -> None:
+    """Fifty times as many bytes in as many messages: what is unpacked is not kept, but for a few chunks."""
+    costs = []
+    for samples, size in ((40, 1_400_000), (2000, 70_000_000)):
+        path = tmp_path / f'{samples}'
+        record(path, size, samples)
+        before, after, *_ = read(path)
+        assert isinstance(before, int)
+        assert isinstance(after, int)
+        costs.append(1024 * (after - before))
+    assert costs[1] - costs[0] < 20_000_000
