@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from rclpy.logging import get_logger
+
 from kapitsa_ros.network.registry import COMMAND, RECORDER, WRITTEN
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_name
@@ -77,9 +79,10 @@ class RecorderNode(StepNode):
         """Finish a bag whose run did not come to its end: it can be read, and says so."""
         if self._writer is not None:
             self._writer.close(complete=False)
-            self.get_logger().warning(
-                f'{self._writer.path} holds a run that was interrupted: it can be read, and says that it has no end'
-            )
+            # The node's own logger would complain that it cannot publish the line after a signal.
+            logger = self.get_logger() if self.context.ok() else get_logger(f'{self.get_logger().name}.bag')
+            text = f'{self._writer.path} holds a run that was interrupted: it can be read, and says that it has no end'
+            logger.warning(text)
 
     def _give_up(self) -> None:
         """Leave a bag that the disk does not take as it is: without an index nobody takes it for whole."""
