@@ -88,11 +88,11 @@ class CampaignResult:
             {
                 **{name: [point.factors[name] for point in each] for name in self.points[0].factors},
                 'seed': self.seed,
-                'truth_rad_s': [point.truth for point in each],
                 'omega_crit_rad_s': self.omega_crit,
                 'omega_crit_rpm': self.omega_crit / RPM,
                 'low_rad_s': self.low,
                 'high_rad_s': self.high,
+                'truth_rad_s': [point.truth for point in each],
             }
         )
 

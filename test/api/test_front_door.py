@@ -177,7 +177,7 @@ def test_data_frames_name_their_units_and_have_all_rows() -> None:
         'reduce': (4, 'fit omega_crit_rad_s omega_crit_rpm low_rad_s high_rad_s'),
         'explain': (12, 'name parameter value chi_squared weight fits rms_misfit_s low high'),
         'plan': (2, 'speed_rad_s speed_rpm swings repeats'),
-        'campaign': (2, 'seed omega_crit_rad_s omega_crit_rpm low_rad_s high_rad_s'),
+        'campaign': (2, 'seed omega_crit_rad_s omega_crit_rpm low_rad_s high_rad_s truth_rad_s'),
     }
     for call, (count, columns) in rows.items():
         frame = FRAMES[call]().to_pandas()

@@ -100,14 +100,19 @@ def test_dds_uses_loopback_alone(domain: int, observer: SessionMonitor, tmp_path
             for link in Path(f'/proc/{nodes[role].pid}/fd').iterdir():
                 with suppress(FileNotFoundError):  # closed since
                     inodes.add(str(link.readlink()).removeprefix('socket:[').removesuffix(']'))
-        mapped = [Path(f'/proc/{nodes[role].pid}/maps').read_text() for role in ROLE_NAMES]
+        mapped = [
+            f'{role}: {line}'
+            for role in ROLE_NAMES
+            for line in Path(f'/proc/{nodes[role].pid}/maps').read_text().splitlines()
+            if 'fastrtps_port' in line
+        ]
         rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
         bound = [row[1].split(':') for row in rows if row[9] in inodes]
     first = 7400 + 250 * domain  # RTPS specification, 9.6.1.1
     addresses = {address for address, port in bound if first <= int(port, 16) < first + 250}
     assert addresses == {'0100007F'}
     # Ports in shared memory are common to all domains: who is killed while it holds one stalls the others.
-    assert not [maps for maps in mapped if 'fastrtps_port' in maps]
+    assert not mapped
 
 
 def test_nodes_started_by_hand_in_any_order_give_the_same_bags(recorded: Recorded, tmp_path: Path, domain: int) -> None:
