@@ -164,9 +164,16 @@ def test_the_notebook_is_on_disk_with_every_line(tmp_path: Path):
     with pytest.raises(TableError, match='should take many turns'):
         book.write_down(row(40.0, 0.5))
     assert len(book.rows) == read_table(path).forcing.size == 2
-    book.strike_out()
-    book.strike_out()
-    assert not list(tmp_path.iterdir())
+    book.note('the plot of θ(t)\nwas looked at')
+    assert book.strike_out(1) == row(2240.0, 0.61)
+    for gone in (0, 1, 3, 4):
+        with pytest.raises(TableError, match='not there, or is struck out'):
+            book.strike_out(gone)
+    assert [line.split(',')[0] for line in path.read_text().splitlines()] == [
+        'forcing_rpm', '# struck out: 2240', '2640', '# struck out: 2780', '# the plot of θ(t) was looked at',
+    ]  # fmt: skip
+    assert read_table(path).forcing / RPM == pytest.approx([2640])
+    assert path.read_text() == book.text()
 
 
 def test_a_notebook_overwrites_nothing(tmp_path: Path):
@@ -409,15 +416,15 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
         """Press the watch of a rig that stands still, so that it is pressed at a tenth of a second."""
         person.press('p')
         await person.until(lambda: 'PAUSED' in person.text('status'))
-        heights, _ = state.picture(person.app._now())
+        heights, _ = state.picture(person.app.controls.now())
         # Half a turn apart, the two images lie on each other where the mark is at mid-stroke as the lamp flashes.
         drawn = {2} if np.ptp(heights) > 0.3 else {1, 2}
         await person.until(lambda: images_drawn(person) in drawn)
         person.press('space')
         await person.until(lambda: state.watch.runs)
-        begun = person.app._now()
+        begun = person.app.controls.now()
         person.press(*'n' * tenths)
-        await person.until(lambda: person.app._now() > begun + 0.1 * tenths - 0.01)
+        await person.until(lambda: person.app.controls.now() > begun + 0.1 * tenths - 0.01)
         person.press('space', 'w')
         await person.told('written down')
         person.press('p')
