@@ -163,13 +163,18 @@ class BenchState:
         """
         if math.isnan(dial):
             raise InstrumentError('the dial of the lamp shows flashes a minute: give a number')
-        self.dial = min(max(dial, 0.0), self._settings.dial_end / RPM)
+        self.dial = min(max(dial, 0.0), self.dial_end)
         self.lamp.turn(self.dial * RPM)
 
     @property
     def graduation(self) -> float:
         """Distance of two graduations of the dial, flashes a minute; 0: it can be read exactly."""
         return self._settings.dial_resolution / RPM
+
+    @property
+    def dial_end(self) -> float:
+        """How far the dial goes, flashes a minute."""
+        return self._settings.dial_end / RPM
 
     @property
     def touch(self) -> float:
