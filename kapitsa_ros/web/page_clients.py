@@ -23,7 +23,8 @@ class PageClients:
         self._pages: list[PageClient] = []
         self._holder: str | None = None
         """Key of the page that works the bench."""
-        self._left_at = 0.0
+        self._kept_until = 0.0
+        """Wall time until which nobody else may work it."""
 
     def __iter__(self) -> Iterator[PageClient]:
         return iter(self._pages)
@@ -46,12 +47,12 @@ class PageClients:
         """Let a page go."""
         self._pages.remove(page)
         if page.key == self._holder:
-            self._left_at = now
+            self._kept_until = now + RETURN if self._pages else now  # who comes to an empty bench need not wait
 
     def hand_on(self, now: float) -> None:
         """Give the bench to the oldest page, where the one that worked it did not come back."""
         keys = [page.key for page in self._pages]
-        if keys and self._holder not in keys and (self._holder is None or now - self._left_at > RETURN):
+        if keys and self._holder not in keys and now >= self._kept_until:
             self._holder = keys[0]
 
     def works(self, page: PageClient) -> bool:

@@ -104,7 +104,12 @@ def test_one_page_works_the_bench_and_gets_it_back_after_a_lost_link() -> None:
     pages.leave(again, 5.0)
     pages.hand_on(9.0)
     assert pages.works(second)
-    doubled = PageClient('b', 'en')
+    pages.leave(second, 10.0)
+    third = PageClient('e', 'en')
+    pages.join(third, 10.0)  # an empty bench
+    assert pages.works(third)
+    second = third
+    doubled = PageClient('e', 'en')
     pages.join(doubled, 9.0)
     assert (pages.works(second), pages.works(doubled)) == (True, False)
     for _ in range(MOST_PAGES - 2):
