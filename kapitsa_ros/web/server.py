@@ -61,7 +61,8 @@ def application(bench: WebBench, access: Access) -> ASGIApp:
 
     async def health(request: Request) -> Response:  # noqa: ARG001
         status = HTTPStatus.OK if bench.runs else HTTPStatus.SERVICE_UNAVAILABLE
-        return JSONResponse({'runs': bench.runs, 'run': bench.state.run, 'failure': bench.failure}, status)
+        values = {'runs': bench.runs, 'run': bench.state.run, 'failure': bench.failure, 'pages': len(list(bench.pages))}
+        return JSONResponse(values, status)
 
     async def book(request: Request) -> Response:  # noqa: ARG001
         name = bench.state.notebook.path.stem.encode('ascii', 'ignore').decode()

@@ -1,5 +1,6 @@
 """A bench in a browser, as users start it: one for all tests of a file."""
 
+import json
 import re
 import signal
 import subprocess
@@ -37,9 +38,9 @@ class Bench:
             connection.close()
 
     def wait(self) -> None:
-        """Wait until there is a run."""
+        """Wait until there is a run, and no page of an earlier test."""
         deadline = time.monotonic() + PATIENCE
-        while self.get('health')[0] != 200:
+        while (health := self.get('health'))[0] != 200 or json.loads(health[1])['pages']:
             assert time.monotonic() < deadline
             assert self.process.poll() is None
             time.sleep(0.05)

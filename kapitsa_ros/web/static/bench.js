@@ -66,8 +66,9 @@ const shows = {
       const [low, high] = ends.map((end) => (end === null ? say('unbounded') : end.toFixed(0)));
       $('fit').textContent = [
         say('ω_crit = {speed} RPM, 95 % interval {low} to {high} RPM', { speed: speed.toFixed(1), low, high }),
+        ...(report.inverse_rpm === null ? [] : [say('the line alone: {speed} RPM', { speed: report.inverse_rpm.toFixed(1) })]),
         ...report.warnings,
-      ].join('. ');
+      ].join('; ');
     }
     drawFit($('fit-plot'), report, colors);
   },
