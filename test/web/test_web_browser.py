@@ -46,7 +46,9 @@ def open_page(bench: Any, browser: Any) -> Iterator[Callable[..., Any]]:
     contexts, asked, wrong = [], [], []
 
     def open_(query: str = '', **options: Any) -> Any:
-        context = browser.new_context(**({'viewport': {'width': 1280, 'height': 900}} | options))
+        context = browser.new_context(
+            **({'viewport': {'width': 1000, 'height': 700}, 'reduced_motion': 'reduce'} | options)
+        )
         contexts.append(context)
         page = context.new_page()
         page.set_default_timeout(PATIENCE)
@@ -82,6 +84,12 @@ def wait_seconds(page: Any, until: float) -> None:
         "until => Number(document.getElementById('status').textContent.split('·')[1].split(' s')[0]) >= until",
         arg=until,
     )
+
+
+def wait_drawn(page: Any) -> None:
+    """Wait until what the page knows is on it."""
+    drawn = page.evaluate('() => Number(document.documentElement.dataset.frames)')
+    page.wait_for_function('drawn => Number(document.documentElement.dataset.frames) > drawn + 1', arg=drawn)
 
 
 def images(page: Any) -> int:
@@ -120,8 +128,9 @@ def measure(page: Any, rpm: int, tenths: int) -> None:
     wait_seconds(page, seconds(page) + 8.0)
     page.keyboard.press('p')
     wait_text(page, 'pause', 'Go on')
-    page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 2')
+    wait_drawn(page)
     assert images(page) in {1, 2}
+    the(page, 'rig').scroll_into_view_if_needed()
     box = the(page, 'rig').bounding_box()  # pulled aside by hand
     page.mouse.move(box['x'] + box['width'] / 2 + 5, box['y'] + 0.3 * box['height'])
     page.mouse.down()
@@ -133,11 +142,12 @@ def measure(page: Any, rpm: int, tenths: int) -> None:
     wait_seconds(page, seconds(page) + 10.0)  # the rig's own stopwatch has its reading too
     page.keyboard.press('p')
     wait_text(page, 'pause', 'Go on')
+    wait_drawn(page)
     page.keyboard.press('Space')
     begun = seconds(page)
-    for count in range(1, tenths + 1):
+    for _ in range(tenths):
         page.keyboard.press('n')
-        wait_seconds(page, round(begun + 0.1 * count, 1) - 0.01)
+    wait_seconds(page, round(begun + 0.1 * tenths, 1) - 0.01)
     page.keyboard.press('Space')
     wait_text(page, 'period', f'{tenths / 20:.3f} s')
     page.keyboard.press('w')
@@ -185,7 +195,7 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
 
 
 def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
-    first, second = open_page(), open_page()
+    first, second = open_page(reduced_motion='no-preference'), open_page()
     wait_text(second, 'status', 'run')
     assert 'Another page works this bench' in second.get_by_role('alert').inner_text()
     playwright.expect(the(second, 'speed')).to_be_disabled()
@@ -204,7 +214,7 @@ def test_the_angle_is_drawn_only_for_who_takes_the_blindfold_off(bench: Any, ope
     playwright.expect(the(page, 'angle-plot')).to_be_hidden()
 
 
-@pytest.mark.parametrize('width', [390, 768])
+@pytest.mark.parametrize('width', [390, pytest.param(768, marks=pytest.mark.slow)])
 def test_narrow_screens_do_not_scroll_sideways(open_page: Callable[..., Any], width: int) -> None:
     page = open_page(viewport={'width': width, 'height': 800}, has_touch=True)
     assert page.evaluate('() => document.documentElement.scrollWidth') <= width
@@ -223,10 +233,10 @@ def test_the_page_speaks_the_language_of_the_browser(open_page: Callable[..., An
     assert open_page('?lang=en', locale='de-DE').get_attribute('html', 'lang') == 'en'
 
 
-@pytest.mark.parametrize('scheme', ['light', 'dark'])
+@pytest.mark.parametrize('scheme', [pytest.param('light', marks=pytest.mark.slow), 'dark'])
 def test_nothing_serious_stands_in_the_way_of_anyone(open_page: Callable[..., Any], scheme: str) -> None:
     axe = pytest.importorskip('axe_playwright_python.sync_playwright').Axe()
-    page = open_page(color_scheme=scheme, reduced_motion='reduce')
+    page = open_page(color_scheme=scheme)
     page.locator('summary').click()
     found = axe.run(page).response['violations']
     assert [(each['id'], each['nodes'][0]['html']) for each in found if each['impact'] in {'serious', 'critical'}] == []

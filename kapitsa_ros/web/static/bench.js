@@ -12,7 +12,7 @@ import { loadWords, say } from './words.js';
 
 const EXPOSURE = 1 / 30; // s of wall time that an eye, and a frame, takes together
 const LYING = 1.5; // rad
-const STILL = 500; // ms between two pictures for those who want less motion
+const STILL = 250; // ms between two pictures for those who want less motion
 
 const $ = (id) => document.getElementById(id);
 const store = new MotionStore();
