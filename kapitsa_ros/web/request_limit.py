@@ -7,7 +7,7 @@ REQUESTS_PER_SECOND = 50.0
 BURST = 100.0
 """At once."""
 MOST_REFUSED = 1000
-"""Of a page that goes on all the same; then it is cut off."""
+"""Of a page that goes on without a pause; then it is cut off."""
 
 
 class RequestLimit:
@@ -24,18 +24,19 @@ class RequestLimit:
         self._left = BURST
         self._filled = now
         self.refused = 0
-        """Since the last request that was allowed."""
+        """Since the page was last as quiet as it should be."""
         self._told = -1.0
 
     def allows(self, now: float) -> bool:
         """Count a request, and say whether it may be looked at."""
         self._left = min(BURST, self._left + (now - self._filled) * REQUESTS_PER_SECOND)
         self._filled = now
+        if self._left >= BURST:
+            self.refused = 0
         if self._left < 1.0:
             self.refused += 1
             return False
         self._left -= 1.0
-        self.refused = 0
         return True
 
     def is_to_be_told(self, now: float) -> bool:
@@ -47,5 +48,5 @@ class RequestLimit:
 
     @property
     def exhausted(self) -> bool:
-        """Whether so many were refused one after another that nobody listens there."""
+        """Whether so many were refused that nobody listens there."""
         return self.refused >= MOST_REFUSED

@@ -627,11 +627,14 @@ def test_what_is_there_is_not_overwritten(kapitsa: Callable[..., Any], tmp_path:
     assert table.read_text() == 'precious'
 
 
-def test_a_missing_extra_is_named(kapitsa: Callable[..., Any], tmp_path: Path):
-    (tmp_path / 'textual.py').write_text("raise ModuleNotFoundError('none here', name='textual')")
-    answer = kapitsa('bench', env={'PYTHONPATH': f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'})
+@pytest.mark.parametrize(('module', 'options', 'extra'), [('textual', [], 'bench'), ('uvicorn', ['--web'], 'web')])
+def test_a_missing_extra_is_named(
+    kapitsa: Callable[..., Any], tmp_path: Path, module: str, options: list[str], extra: str
+):
+    (tmp_path / f'{module}.py').write_text(f"raise ModuleNotFoundError('none here', name='{module}')")
+    answer = kapitsa('bench', *options, env={'PYTHONPATH': f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'})
     assert answer.status == 1
-    assert 'needs textual: run `make setup`, or pip install "kapitsa_ros[bench]"' in answer.err
+    assert f'needs {module}: run `make setup`, or pip install "kapitsa_ros[{extra}]"' in answer.err
 
 
 def test_nothing_but_the_screen_is_drawn_while_it_lasts(tmp_path: Path):

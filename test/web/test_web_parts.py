@@ -75,6 +75,9 @@ def test_requests_are_bounded_and_a_pause_makes_up_for_it() -> None:
     assert limit.refused == 0
     assert sum(limit.allows(10.0) for _ in range(1200)) == 99
     assert limit.exhausted
+    slower = RequestLimit(0.0)
+    assert sum(slower.allows(count / 200) for count in range(2000)) in range(590, 602)  # some are allowed all the while
+    assert slower.exhausted
 
 
 def test_a_page_that_reads_slowly_misses_steps_and_gets_the_newest_of_each_report() -> None:
