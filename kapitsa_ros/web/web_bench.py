@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.bench_state import BenchState
+from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.operator.protocol import MANUAL
-from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.harness import Rig
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.bench_report import report
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.plant import Plant
     from kapitsa_ros.physics.sampled_motion import SampledMotion
+    from kapitsa_ros.rig.errors import RigError
     from kapitsa_ros.ros.rig_client import News
     from kapitsa_ros.web.page_client import PageClient
 
@@ -75,6 +76,7 @@ class WebBench:
         self._pivot: tuple[StepId, SampledMotion] | None = None
         self._loop = asyncio.get_running_loop()
         self._changed = asyncio.Event()
+        self._repairing = asyncio.Lock()
         self._recent: deque[bytes] = deque(maxlen=_RECENT)
 
     @property
@@ -112,21 +114,22 @@ class WebBench:
 
     async def repair(self) -> None:
         """Start another rig in place of one that died, with the run that comes next."""
-        if self.failure is None:
-            return
-        await self._stop_rig()
-        speed = self.state.speed
-        self.state.runs_before = self.state.run
-        self.folders.append(self.folders[0] / f'rig_{len(self.folders) + 1}')
-        self.state.set_paused(paused=False)
-        try:
-            await self.start()
-        except RigError as error:
-            self.failure = str(error)
-        else:
-            self.failure = None
-            if speed and self.controls is not None:
-                self.controls.set_speed(speed)
+        async with self._repairing:
+            if self.failure is None:
+                return
+            await self._stop_rig()
+            speed = self.state.speed
+            self.state.runs_before = self.state.run
+            self.folders.append(self.folders[0] / f'rig_{len(self.folders) + 1}')
+            self.state.set_paused(paused=False)
+            try:
+                await self.start()
+            except (KapitsaError, OSError) as error:
+                self.failure = str(error)
+            else:
+                self.failure = None
+                if speed and self.controls is not None:
+                    self.controls.set_speed(speed)
         self.changed()
 
     def now(self) -> float:
