@@ -30,7 +30,7 @@ test-slow: setup
 	$(BIN)/python -m pytest -m slow
 
 test-oldest:
-	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench
+	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench,web
 
 test-nightly: setup
 	.ci/nightly

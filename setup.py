@@ -72,6 +72,11 @@ CAMPAIGN = [
 BENCH = [
     'textual>=3.0',
 ]
+WEB = [
+    'starlette>=0.37.2',
+    'uvicorn>=0.30',
+    'websockets>=12.0',
+]
 BENCHMARKS = [
     'heyoka',
     'mcap-ros2-support',  # reads bags too
@@ -85,8 +90,10 @@ TEST = [  # under this name `colcon test` looks for pytest
 ]
 DEVELOPMENT = [
     *TEST,
+    'axe-playwright-python',  # the browser's tests, and what they look for
     'colcon-common-extensions',
     'mypy',
+    'playwright',
     'pytest-random-order',
     'ruff',
     'setuptools<80',  # colcon-core's limit
@@ -118,7 +125,7 @@ setup(
     ],
     python_requires='>=3.11,<3.13',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed']},
+    package_data={NAME: ['py.typed'], f'{NAME}.web': ['static/*', 'words/*.json']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),
@@ -131,10 +138,11 @@ setup(
         'report': REPORT,
         'campaign': CAMPAIGN,
         'bench': BENCH,
+        'web': WEB,
         'benchmarks': BENCHMARKS,
         'test': TEST,
         'dev': DEVELOPMENT,
-        'all': [*REPORT, *CAMPAIGN, *BENCH, *BENCHMARKS, *DEVELOPMENT],
+        'all': [*REPORT, *CAMPAIGN, *BENCH, *WEB, *BENCHMARKS, *DEVELOPMENT],
     },
     entry_points={
         'console_scripts': ['kapitsa = kapitsa_ros.cli.main:main'],

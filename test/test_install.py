@@ -84,6 +84,13 @@ def test_share_holds_what_launch_and_params_need(index: Path) -> None:
         compile(path.read_text(encoding='utf-8'), path.name, 'exec')
 
 
+def test_the_page_of_the_bench_is_installed(prefix: Path) -> None:
+    for folder in ('static', 'words'):
+        [there] = prefix.glob(f'lib/python*/site-packages/kapitsa_ros/web/{folder}')
+        names = {path.name for path in (CHECKOUT / 'kapitsa_ros' / 'web' / folder).iterdir()}
+        assert {path.name for path in there.iterdir()} == names
+
+
 @pytest.fixture
 def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
     """Start an executable as `ros2 run` does: found in the index, from the installed files."""

@@ -9,7 +9,7 @@ import pytest
 PACKAGE = Path(__file__).parents[1] / 'kapitsa_ros'
 ROOMS = (
     'physics', 'instruments', 'operator', 'network', 'analysis', 'configuration', 'recording', 'laboratory',
-    'reporting', 'ros', 'nodes', 'rig', '_api', 'bench', 'cli',
+    'reporting', 'ros', 'nodes', 'rig', '_api', 'bench', 'web', 'cli',
 )  # fmt: skip
 ROS = ('rclpy', 'launch', 'launch_ros')
 FILES = sorted(path for path in PACKAGE.rglob('*.py') if path.relative_to(PACKAGE).parts[0] in ROOMS)
@@ -47,9 +47,9 @@ STAND_ON = {
     'kapitsa_ros', 'launch', 'launch_ros', 'lz4', 'matplotlib', 'mcap',
     'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
     'pytest',
-    'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'std_msgs',
-    'std_srvs',
-    'textual', 'trajectory_msgs', 'yaml',
+    'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'starlette',
+    'std_msgs', 'std_srvs',
+    'textual', 'trajectory_msgs', 'uvicorn', 'yaml',
     'xarray', 'zstandard',
 }  # fmt: skip
 """What setup.py and package.xml declare, by the name it is imported under."""

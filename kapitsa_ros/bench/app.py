@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import signal
 import time
-from contextlib import suppress
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.app import App, ComposeResult
@@ -14,10 +13,9 @@ from textual.message import Message
 from textual.widgets import Footer, Input, Static
 
 from kapitsa_ros.bench import panels
-from kapitsa_ros.bench.bench_state import FASTEST, BenchState
+from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.help_screen import HelpScreen
 from kapitsa_ros.bench.keys import KEYS
-from kapitsa_ros.bench.rig_worker import RigWorker
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
@@ -29,16 +27,13 @@ if TYPE_CHECKING:
     from textual import events
     from textual.binding import BindingType
 
+    from kapitsa_ros.bench.bench_state import BenchState
     from kapitsa_ros.rig.harness import Rig
-    from kapitsa_ros.ros.rig_client import News
 
 WIDTH, HEIGHT = 80, 24
 """Smallest terminal, characters."""
 _FRAME_RATE = 20.0
 """Hz."""
-_PATIENCE = 5.0
-"""Wall seconds given to the run to end."""
-_SLOWEST, _FASTEST = 1 / 8, 32.0
 _QUESTIONS = {
     'speed': 'speed of the shaft (2240, 37.3Hz, 234rad/s): ',
     'dial': 'dial of the lamp, flashes a minute (4480, 75Hz): ',
@@ -97,7 +92,7 @@ class BenchApp(App[RigError]):
         self.state = state
         self.hung_up = False
         """Whether the terminal was closed."""
-        self._worker = RigWorker(rig, self)
+        self.controls = BenchControls(rig, state, self._post, self.exit)
         self._question: str | None = None
         """What is being typed; None: keys are knobs."""
         self._leaving = False
@@ -130,12 +125,12 @@ class BenchApp(App[RigError]):
             loop.add_signal_handler(number, self.exit)
         loop.add_signal_handler(signal.SIGHUP, self._hang_up)
         self.state.notify('? explains the keys')
-        self._worker.start()
+        self.controls.start()
         self.set_interval(1 / _FRAME_RATE, self._draw)
 
     def on_unmount(self) -> None:
         """Stop the rig's thread."""
-        self._worker.stop()
+        self.controls.stop()
 
     def on_resize(self, event: events.Resize) -> None:
         """Say so where there is too little room."""
@@ -145,21 +140,9 @@ class BenchApp(App[RigError]):
         """Let questions, whose keys go before all others so that no digit is lost, leave letters to what is typed."""
         return action != 'ask' or (self._question is None and len(self.screen_stack) == 1)
 
-    def receive(self, news: list[News], wall: float) -> None:
-        """Hand messages of the graph to the state; called from the rig's thread."""
-        self._post(lambda: self.state.receive(news, wall))
-
-    def receive_refusal(self, why: str) -> None:
-        """Show why an order was refused; called from the rig's thread."""
-        self._post(lambda: self.state.notify(why))
-
-    def receive_failure(self, error: RigError) -> None:
-        """Leave with an error; called from the rig's thread."""
-        self._post(lambda: self.exit(error))
-
     def action_speed(self, change: int) -> None:
         """Ask for another speed."""
-        self._ask_speed(min(max(self.state.speed + change, 0.0), float(FASTEST)))
+        self.controls.change_speed(change)
 
     def action_touch(self, count: int) -> None:
         """Turn the dial by a touch."""
@@ -175,12 +158,11 @@ class BenchApp(App[RigError]):
 
     def action_release(self) -> None:
         """Have the pendulum caught and let go."""
-        angle = self.state.release
-        self._order(lambda rig: rig.release(angle), lambda: self.state.note_release(angle))
+        self.controls.release()
 
     def action_watch(self) -> None:
         """Press the stopwatch."""
-        self.state.press_watch(self._now())
+        self.state.press_watch(self.controls.now())
 
     def action_clear(self) -> None:
         """Set the stopwatch to zero."""
@@ -192,7 +174,7 @@ class BenchApp(App[RigError]):
 
     def action_write_down(self) -> None:
         """Write a line into the table."""
-        self.state.write_down(self._now())
+        self.state.write_down(self.controls.now())
 
     def action_strike_out(self) -> None:
         """Strike out the last line."""
@@ -200,30 +182,19 @@ class BenchApp(App[RigError]):
 
     def action_pause(self) -> None:
         """Stop time, or let it run."""
-        paused = not self.state.paused
-
-        def then() -> None:
-            self.state.set_paused(paused=paused)
-
-        self._order((lambda rig: rig.pause()) if paused else (lambda rig: rig.resume()), then)
+        self.controls.toggle_pause()
 
     def action_step(self) -> None:
         """Make one step of a paused rig."""
-        self._order(lambda rig: rig.step())
+        self.controls.step()
 
     def action_pace(self, factor: float) -> None:
         """Change the pace of time."""
-        rate = min(max(factor * (self.state.clock.rate or 2 * _FASTEST), _SLOWEST), _FASTEST)
-
-        def then() -> None:
-            self.state.clock.rate = rate
-
-        self._order(lambda rig: rig.set_rate(rate), then)
+        self.controls.change_pace(factor)
 
     def action_new_run(self) -> None:
         """End the run and begin the next."""
-        if self._order(lambda rig: rig.reset()):
-            self.state.set_speed(0.0)
+        self.controls.begin_run()
 
     def action_guide(self) -> None:
         """Explain the keys."""
@@ -252,7 +223,7 @@ class BenchApp(App[RigError]):
             return
         try:
             if question == 'speed':
-                self._ask_speed(parse_speed(typed) / RPM)
+                self.controls.set_speed(parse_speed(typed) / RPM)
             elif question == 'dial':
                 self.state.turn_dial(parse_speed(typed) / RPM)
             else:
@@ -267,38 +238,12 @@ class BenchApp(App[RigError]):
             return
         self._leaving = True
         self.state.notify('the run is being ended … (q again: leave at once)')
-        paused = self.state.paused
-
-        def finish(rig: Rig) -> None:
-            try:
-                if not paused:
-                    with suppress(RigError):  # somebody else may have paused it
-                        rig.pause()
-                rig.reset()
-            finally:
-                self._post(self.exit)
-
-        self._worker.order(finish)
-        self.set_timer(_PATIENCE, self.exit)
+        self.controls.end_run(self.exit)
+        self.set_timer(PATIENCE, self.exit)
 
     def _hang_up(self) -> None:
         self.hung_up = True
         self.exit()
-
-    def _ask_speed(self, rpm: float) -> None:
-        before = self.state.speed
-        self.state.set_speed(rpm)
-        if not self._order(lambda rig: rig.request_speed(rpm)):
-            self.state.set_speed(before)
-
-    def _order(self, act: Callable[[Rig], None], then: Callable[[], None] | None = None) -> bool:
-        """Order something from the rig's thread, and `then` in this one; return False before the first run."""
-        if not self.state.run:
-            self.state.notify('the nodes are starting: a moment')
-            return False
-
-        self._worker.order(act, None if then is None else lambda: self._post(then))
-        return True
 
     def _post(self, act: Callable[[], None]) -> None:
         """Let the screen's own thread make a call; may be called from any thread."""
@@ -308,11 +253,8 @@ class BenchApp(App[RigError]):
         """Make a call that another thread has posted."""
         message.act()
 
-    def _now(self) -> float:
-        return self.state.clock.now(time.monotonic())
-
     def _draw(self) -> None:
-        wall, now = time.monotonic(), self._now()
+        wall, now = time.monotonic(), self.controls.now()
         self.state.check_fall(now)
         if self.screen is not self.screen_stack[0]:
             return

@@ -43,6 +43,11 @@ class BenchClock:
         self._offset = None
         self.measure_anew()
 
+    @property
+    def known(self) -> float:
+        """Until when the motion is known, s of the run."""
+        return self._end
+
     def restart(self) -> None:
         """Begin with a new run."""
         self._offset = None

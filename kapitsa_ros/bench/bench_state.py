@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
+from kapitsa_ros.bench.message import Message
 from kapitsa_ros.bench.notebook import Notebook, Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.instruments.dial_search import graduation
@@ -72,6 +73,8 @@ class BenchState:
         self.watch = HandStopwatch(instruments.stopwatch)
         self.run = 0
         """Number of the run; 0: the nodes are not ready yet."""
+        self.runs_before = 0
+        """Runs of a rig that died before this one: the numbers go on."""
         self.speed = 0.0
         """Requested, RPM."""
         self.release = 0.12
@@ -86,24 +89,25 @@ class BenchState:
         """Where the lamp's dial points, flashes a minute."""
         self.rig_readings: deque[tuple[int, StrobeReading | StopwatchReading]] = deque(maxlen=_READINGS_KEPT)
         """What the instruments of the rig read, and in which run."""
-        self.messages: deque[str] = deque(maxlen=_MESSAGES_KEPT)
+        self.messages: deque[Message] = deque(maxlen=_MESSAGES_KEPT)
         """Messages, the newest last."""
         self._motion: deque[tuple[float, SampledMotion]] = deque(maxlen=_BLOCKS)
         self._lies = False
 
-    def notify(self, message: str) -> None:
-        """Tell the person something."""
-        self.messages.append(message)
+    def notify(self, template: str, **values: Any) -> None:
+        """Tell the person something: see `Message`."""
+        self.messages.append(Message(template, **values))
 
     def receive(self, news: list[News], wall: float) -> None:
         """Take messages of the graph that came at a wall time."""
         for topic, step_id, value in news:
+            run = self.runs_before + step_id.run
             if topic == RESULT.name:
                 self._receive_result(value)
                 continue
-            if step_id.run > self.run:
-                self._begin(step_id.run)
-            if step_id.run < self.run:
+            if run > self.run:
+                self._begin(run)
+            if run < self.run:
                 continue
             if topic == PIVOT.name:
                 self.lamp.shine(step_id.step * value.duration, value)
@@ -112,7 +116,7 @@ class BenchState:
                 self._motion.append((start, value))
                 self.clock.follow(wall, start, start + value.duration)
             elif topic in (STROBE_READING.name, STOPWATCH_READING.name):
-                self.rig_readings.append((step_id.run, value))
+                self.rig_readings.append((run, value))
 
     def set_speed(self, rpm: float) -> None:
         """Note the requested speed.
@@ -141,7 +145,7 @@ class BenchState:
     def note_release(self, angle: float) -> None:
         """Note that the pendulum was asked to be let go from an angle, rad."""
         self._released = angle
-        self.notify(f'released from {angle:.4g} rad')
+        self.notify('released from {angle:.4g} rad', angle=angle)
 
     def set_paused(self, *, paused: bool) -> None:
         """Note whether time stands still."""
@@ -159,13 +163,18 @@ class BenchState:
         """
         if math.isnan(dial):
             raise InstrumentError('the dial of the lamp shows flashes a minute: give a number')
-        self.dial = min(max(dial, 0.0), self._settings.dial_end / RPM)
+        self.dial = min(max(dial, 0.0), self.dial_end)
         self.lamp.turn(self.dial * RPM)
 
     @property
     def graduation(self) -> float:
         """Distance of two graduations of the dial, flashes a minute; 0: it can be read exactly."""
         return self._settings.dial_resolution / RPM
+
+    @property
+    def dial_end(self) -> float:
+        """How far the dial goes, flashes a minute."""
+        return self._settings.dial_end / RPM
 
     @property
     def touch(self) -> float:
@@ -230,19 +239,22 @@ class BenchState:
         try:
             self.notebook.write_down(row)
         except (TableError, OSError) as error:
-            self.notify(f'not written down: {error}')
+            self.notify('not written down: {why}', why=error)
         else:
-            self.notify(f'written down: {row.forcing_rpm:.6g} RPM, {row.period_s:.3f} s')
+            self.notify('written down: {rpm:.6g} RPM, {period:.3f} s', rpm=row.forcing_rpm, period=row.period_s)
             self.watch.clear()
 
-    def strike_out(self) -> None:
-        """Strike out the last line of the table."""
+    def strike_out(self, number: int | None = None) -> None:
+        """Strike out a line of the table, by its number from 1; None: the last that is not struck out yet."""
         try:
-            row = self.notebook.strike_out()
-        except OSError as error:
-            self.notify(f'not struck out: {error}')
+            row = self.notebook.strike_out(number)
+        except (TableError, OSError) as error:
+            self.notify('not struck out: {why}', why=error)
             return
-        self.notify(f'struck out: {row.forcing_rpm:.6g} RPM' if row else 'nothing is written down yet')
+        if row is None:
+            self.notify('nothing is written down yet')
+        else:
+            self.notify('struck out: {rpm:.6g} RPM', rpm=row.forcing_rpm)
 
     def _begin(self, run: int) -> None:
         self.run = run
@@ -250,19 +262,24 @@ class BenchState:
         self.watch.clear()
         self._motion.clear()
         self._lies = False
-        self.notify(f'run {run}: the shaft is at rest, the pendulum is held')
+        self.notify('run {run}: the shaft is at rest, the pendulum is held', run=run)
 
     def _receive_result(self, result: dict[str, dict[str, float | None]]) -> None:
         for name, values in result.items():
             if name.startswith('run '):
-                self.notify(f'{name} is over; the rig read {_result_text(values)}')
+                speed, period = values['speed_reading_rpm'], values['period_s']
+                self.notify(
+                    _RESULTS[speed is not None, period is not None],
+                    run=int(name.removeprefix('run ')) + self.runs_before,
+                    rpm=speed,
+                    period=period,
+                )
 
 
-def _result_text(values: dict[str, float | None]) -> str:
-    speed, period = values['speed_reading_rpm'], values['period_s']
-    return ', '.join(
-        (
-            'no speed' if speed is None else f'{speed:.6g} RPM',
-            'no swing' if period is None else f'a period of {period:.3f} s',
-        )
-    )
+_RESULTS = {
+    (True, True): 'run {run} is over; the rig read {rpm:.6g} RPM, a period of {period:.3f} s',
+    (True, False): 'run {run} is over; the rig read {rpm:.6g} RPM, no swing',
+    (False, True): 'run {run} is over; the rig read no speed, a period of {period:.3f} s',
+    (False, False): 'run {run} is over; the rig read no speed, no swing',
+}
+"""By whether a speed and a period were read."""

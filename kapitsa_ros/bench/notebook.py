@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -36,6 +36,18 @@ class Row:
     """From which the pendulum was last let go; nan where it never was."""
 
 
+@dataclass(frozen=True)
+class WrittenRow:
+    """A reading in the table."""
+
+    row: Row
+    struck: bool = False
+
+
+BookLine: TypeAlias = WrittenRow | str
+"""A reading or a remark."""
+
+
 class Notebook:
     """A table that is on disk as soon as a line is written, in the form that `kapitsa reduce` takes.
 
@@ -57,7 +69,13 @@ class Notebook:
         if not path.parent.is_dir() or not os.access(path.parent, os.W_OK | os.X_OK):
             raise UsageError(f'--table {path}: its folder cannot be written; give another name')
         self.path = path
-        self.rows: list[Row] = []
+        self.lines: list[BookLine] = []
+        """All that was ever written, in its order."""
+
+    @property
+    def rows(self) -> list[Row]:
+        """The lines that are not struck out."""
+        return [line.row for line in self.lines if isinstance(line, WrittenRow) and not line.struck]
 
     def write_down(self, row: Row) -> None:
         """Add a line.
@@ -79,26 +97,81 @@ class Notebook:
             period_sigma=np.zeros(1),
         )
         refuse_mixed_units(typed)
-        self._save([*self.rows, row])
+        self._save([*self.lines, WrittenRow(row)])
 
-    def strike_out(self) -> Row | None:
-        """Remove the last line and return it; None where there is none."""
-        if not self.rows:
-            return None
-        last = self.rows[-1]
-        self._save(self.rows[:-1])
-        return last
+    def note(self, text: str) -> None:
+        """Add a remark, of one line.
 
-    def _save(self, rows: list[Row]) -> None:
-        """Put the whole table in place of the old one, so that it is never half-written."""
-        if rows:
-            lines = [','.join(_COLUMNS), *(_line(row) for row in rows)]
-            draft = self.path.with_name(f'.{self.path.name}.new')
-            draft.write_text('\n'.join(lines) + '\n', encoding='utf-8')
-            draft.replace(self.path)
+        Raises
+        ------
+        OSError
+            The disk does not take it.
+
+        """
+        self._save([*self.lines, ' '.join(text.split())])
+
+    def strike_out(self, number: int | None = None) -> Row | None:
+        """Strike a line out: it stays legible, and is no reading any more.
+
+        Parameters
+        ----------
+        number
+            Of the line among all readings, from 1; None: the last that is not struck out.
+
+        Returns
+        -------
+        Row or None
+            What was struck out; None where nothing is written down.
+
+        Raises
+        ------
+        TableError
+            There is no such line, or it is struck out already.
+        OSError
+            The disk does not take it.
+
+        """
+        places = [place for place, line in enumerate(self.lines) if isinstance(line, WrittenRow)]
+        open_places = [place for place in places if not self._written(place).struck]
+        if number is None:
+            if not open_places:
+                return None
+            place = open_places[-1]
         else:
-            self.path.unlink(missing_ok=True)
-        self.rows = rows
+            if not 1 <= number <= len(places) or places[number - 1] not in open_places:
+                raise TableError(f'line {number} is not there, or is struck out already')
+            place = places[number - 1]
+        row = self._written(place).row
+        lines = list(self.lines)
+        lines[place] = WrittenRow(row, struck=True)
+        self._save(lines)
+        return row
+
+    def _written(self, place: int) -> WrittenRow:
+        line = self.lines[place]
+        assert isinstance(line, WrittenRow)  # noqa: S101  # by who asks
+        return line
+
+    def text(self) -> str:
+        """Return the table as it is on disk: CSV, in which what is no reading is a comment."""
+        return '\n'.join([','.join(_COLUMNS), *(_text(line) for line in self.lines)]) + '\n'
+
+    def _save(self, lines: list[BookLine]) -> None:
+        """Put the whole table in place of the old one, so that it is never half-written."""
+        before, self.lines = self.lines, lines
+        try:
+            draft = self.path.with_name(f'.{self.path.name}.new')
+            draft.write_text(self.text(), encoding='utf-8')
+            draft.replace(self.path)
+        except OSError:
+            self.lines = before
+            raise
+
+
+def _text(line: BookLine) -> str:
+    if isinstance(line, str):
+        return f'# {line}'
+    return f'# struck out: {_line(line.row)}' if line.struck else _line(line.row)
 
 
 def _line(row: Row) -> str:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import click
-
 from kapitsa_ros.bench.app import BenchApp
+from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
 from kapitsa_ros.bench.bench_state import BenchState
 from kapitsa_ros.bench.terminal import own_terminal, require_terminal
 from kapitsa_ros.operator.protocol import MANUAL
-from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.harness import Rig
 from kapitsa_ros.rig.preflight import make_writable
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
     from pathlib import Path
 
     from kapitsa_ros.instruments.settings import Instruments
@@ -38,8 +35,7 @@ def work_at_bench(  # noqa: PLR0917  # the command's options
         A node died.
 
     """
-    if old := sorted(bags.glob('run_*_0rpm')):
-        raise BagError(f'{old[0]} exists: runs are never overwritten, give another --bags or move it away')
+    refuse_old_runs(bags)
     state = BenchState(plant, instruments, table, rate)
     require_terminal()
     make_writable(bags)
@@ -51,16 +47,4 @@ def work_at_bench(  # noqa: PLR0917  # the command's options
     if screen.return_code:
         raise RigError('the screen broke off')
     if not screen.hung_up:
-        _print_what_is_left(bags, state)
-
-
-def _print_what_is_left(bags: Path, state: BenchState) -> None:
-    runs = sorted(bags.glob('run_*'))
-    click.echo(f'{_counted(runs, "run")} in {bags}: kapitsa analyse {bags}/*' if runs else 'no run was recorded')
-    if state.notebook.rows:
-        path = state.notebook.path
-        click.echo(f'{_counted(state.notebook.rows, "reading")} of yours in {path}: kapitsa reduce {path}')
-
-
-def _counted(things: Sequence[object], name: str) -> str:
-    return f'{len(things)} {name}{"" if len(things) == 1 else "s"}'
+        print_what_is_left([bags], state.notebook)

@@ -30,6 +30,21 @@ class HandStopwatch:
         """Whether it has been started and not stopped."""
         return self._started is not None and self._stopped is None
 
+    @property
+    def started(self) -> float | None:
+        """Simulated time of the press that started it, s; None where it stands at zero."""
+        return self._started
+
+    @property
+    def gain(self) -> float:
+        """Seconds it counts in a second."""
+        return 1.0 + self._settings.rate_error
+
+    @property
+    def digit(self) -> float:
+        """What its last digit is worth, s; 0: it can be read exactly."""
+        return self._settings.display_resolution
+
     def press(self, now: float) -> None:
         """Press the button, at a simulated time, s."""
         if self.runs:

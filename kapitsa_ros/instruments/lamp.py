@@ -110,6 +110,23 @@ class Lamp:
         seen = (self._times <= now) & (self._times > now - AFTERIMAGE)
         return distinct_images(self._heights[seen], max(self._settings.mark_width, _THICKNESS))
 
+    def flashes(self, start: float, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return when the lamp flashed, and what each flash showed.
+
+        Parameters
+        ----------
+        start, end
+            Seconds of the run, the end not included; flashes are kept for two seconds.
+
+        Returns
+        -------
+        times, heights
+            Shape (flashes,) each: s of the run; of the mark, in amplitudes from mid-stroke.
+
+        """
+        within = (self._times >= start) & (self._times < end)
+        return self._times[within], self._heights[within]
+
     def _darken(self) -> None:
         self._last = -math.inf
         self._times, self._heights = np.empty(0), np.empty(0)

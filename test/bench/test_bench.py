@@ -164,9 +164,16 @@ def test_the_notebook_is_on_disk_with_every_line(tmp_path: Path):
     with pytest.raises(TableError, match='should take many turns'):
         book.write_down(row(40.0, 0.5))
     assert len(book.rows) == read_table(path).forcing.size == 2
-    book.strike_out()
-    book.strike_out()
-    assert not list(tmp_path.iterdir())
+    book.note('the plot of θ(t)\nwas looked at')
+    assert book.strike_out(1) == row(2240.0, 0.61)
+    for gone in (0, 1, 3, 4):
+        with pytest.raises(TableError, match='not there, or is struck out'):
+            book.strike_out(gone)
+    assert [line.split(',')[0] for line in path.read_text().splitlines()] == [
+        'forcing_rpm', '# struck out: 2240', '2640', '# struck out: 2780', '# the plot of θ(t) was looked at',
+    ]  # fmt: skip
+    assert read_table(path).forcing / RPM == pytest.approx([2640])
+    assert path.read_text() == book.text()
 
 
 def test_a_notebook_overwrites_nothing(tmp_path: Path):
@@ -409,15 +416,15 @@ def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
         """Press the watch of a rig that stands still, so that it is pressed at a tenth of a second."""
         person.press('p')
         await person.until(lambda: 'PAUSED' in person.text('status'))
-        heights, _ = state.picture(person.app._now())
+        heights, _ = state.picture(person.app.controls.now())
         # Half a turn apart, the two images lie on each other where the mark is at mid-stroke as the lamp flashes.
         drawn = {2} if np.ptp(heights) > 0.3 else {1, 2}
         await person.until(lambda: images_drawn(person) in drawn)
         person.press('space')
         await person.until(lambda: state.watch.runs)
-        begun = person.app._now()
+        begun = person.app.controls.now()
         person.press(*'n' * tenths)
-        await person.until(lambda: person.app._now() > begun + 0.1 * tenths - 0.01)
+        await person.until(lambda: person.app.controls.now() > begun + 0.1 * tenths - 0.01)
         person.press('space', 'w')
         await person.told('written down')
         person.press('p')
@@ -620,11 +627,14 @@ def test_what_is_there_is_not_overwritten(kapitsa: Callable[..., Any], tmp_path:
     assert table.read_text() == 'precious'
 
 
-def test_a_missing_extra_is_named(kapitsa: Callable[..., Any], tmp_path: Path):
-    (tmp_path / 'textual.py').write_text("raise ModuleNotFoundError('none here', name='textual')")
-    answer = kapitsa('bench', env={'PYTHONPATH': f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'})
+@pytest.mark.parametrize(('module', 'options', 'extra'), [('textual', [], 'bench'), ('uvicorn', ['--web'], 'web')])
+def test_a_missing_extra_is_named(
+    kapitsa: Callable[..., Any], tmp_path: Path, module: str, options: list[str], extra: str
+):
+    (tmp_path / f'{module}.py').write_text(f"raise ModuleNotFoundError('none here', name='{module}')")
+    answer = kapitsa('bench', *options, env={'PYTHONPATH': f'{tmp_path}:{os.environ.get("PYTHONPATH", "")}'})
     assert answer.status == 1
-    assert 'needs textual: run `make setup`, or pip install "kapitsa_ros[bench]"' in answer.err
+    assert f'needs {module}: run `make setup`, or pip install "kapitsa_ros[{extra}]"' in answer.err
 
 
 def test_nothing_but_the_screen_is_drawn_while_it_lasts(tmp_path: Path):

@@ -22,6 +22,7 @@ pa = pytest.importorskip('pyarrow')
 from pyarrow import parquet  # noqa: E402
 
 PATIENCE = 120.0
+EACH = 10  # at two points: one part is written before the end
 
 
 def written(folder: Path, **values: Any) -> Path:
@@ -108,7 +109,7 @@ def short(tmp_path: Path) -> Path:
     """Ranges with a protocol of one speed."""
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240 rpm]\nrelease: 0.12 rad\nswings: 3\nrepeats: 1\n', encoding='utf-8')
-    return written(tmp_path, factors={'protocol': [str(protocol)], 'coulomb': [0.0, 8.0]}, experiments=20)
+    return written(tmp_path, factors={'protocol': [str(protocol)], 'coulomb': [0.0, 8.0]}, experiments=EACH)
 
 
 def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Path) -> None:
@@ -135,8 +136,8 @@ def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Pa
     with pytest.raises(OutputError, match='is there already and stays'):
         kr.campaign(ranges=short, output=cut)
     rows = parquet.read_table(whole).to_pylist()
-    assert [row['point'] for row in rows] == [1] * 20 + [2] * 20
-    assert [row['seed'] for row in rows] == [*range(1, 21)] * 2
+    assert [row['point'] for row in rows] == [1] * EACH + [2] * EACH
+    assert [row['seed'] for row in rows] == [*range(1, EACH + 1)] * 2
     failed = [row for row in rows if row['failure'] is not None]
     assert failed
     assert {row['failure'] for row in failed} == {'no swing could be timed'}

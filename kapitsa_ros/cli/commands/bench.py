@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -27,22 +28,46 @@ if TYPE_CHECKING:
     '--table', type=click.Path(path_type=Path), help='CSV file for your readings  [default: named like the folder]'
 )
 @real_time_option
+@click.option('--web', is_flag=True, help='in a browser: prints the link, and serves until Ctrl-C')
+@click.option('--host', default='127.0.0.1', show_default=True, help='of --web: address that is listened on')
+@click.option(
+    '--port', type=click.IntRange(0, 65535), help='of --web  [default: 8097, or any that is free]', metavar='NUMBER'
+)
+@click.option('--open/--no-open', 'open_page', default=True, help='of --web: open the page, where there is a display')
 def bench(
-    *, plant: Plant, instruments: Instruments, seed: int, bags: Path | None, table: Path | None, rate: float
+    *,
+    plant: Plant,
+    instruments: Instruments,
+    seed: int,
+    bags: Path | None,
+    table: Path | None,
+    rate: float,
+    web: bool,
+    host: str,
+    port: int | None,
+    open_page: bool,
 ) -> None:
     """Turn the knobs yourself: a screen for the terminal, with lamp, stopwatch and a table of your own.
 
     Press ? there for the keys. What you write down goes to a CSV file that `kapitsa reduce` takes; the runs go to bags,
-    with what the rig's own strobe and stopwatch read.
+    with what the rig's own strobe and stopwatch read. With --web, the same bench is a page in a browser.
     """
+    folder = bags or _free_folder(table)
+    book = table or folder.with_name(f'{folder.name}.csv')
+    if web:
+        serve_bench = _from_extra('kapitsa_ros.web.session', 'web').serve_bench
+        serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
+    else:
+        _from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
+
+
+def _from_extra(module: str, extra: str) -> Any:
     try:
-        from kapitsa_ros.bench.session import work_at_bench  # noqa: PLC0415  # textual is an extra
+        return import_module(module)
     except ModuleNotFoundError as error:
         raise RigError(
-            f'the bench needs {error.name}: run `make setup`, or pip install "kapitsa_ros[bench]"'
+            f'the bench needs {error.name}: run `make setup`, or pip install "kapitsa_ros[{extra}]"'
         ) from error
-    folder = bags or _free_folder(table)
-    work_at_bench(plant, instruments, seed, rate, folder, table or folder.with_name(f'{folder.name}.csv'))
 
 
 def _free_folder(table: Path | None) -> Path:

@@ -1,0 +1,44 @@
+"""The files of a sitting at the bench: what must not be there before, and what is left after it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from kapitsa_ros.recording.errors import BagError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    from kapitsa_ros.bench.notebook import Notebook
+
+
+def refuse_old_runs(bags: Path) -> None:
+    """Check that a folder holds no runs of another sitting.
+
+    Raises
+    ------
+    BagError
+        It does.
+
+    """
+    if old := sorted(bags.glob('run_*_0rpm')):
+        raise BagError(f'{old[0]} exists: runs are never overwritten, give another --bags or move it away')
+
+
+def print_what_is_left(folders: Sequence[Path], notebook: Notebook) -> None:
+    """Say where runs and readings are."""
+    recorded = {folder: sorted(folder.glob('run_*')) for folder in folders}
+    for folder, runs in recorded.items():
+        if runs:
+            click.echo(f'{_counted(runs, "run")} in {folder}: kapitsa analyse {folder}/*')
+    if not any(recorded.values()):
+        click.echo('no run was recorded')
+    if rows := notebook.rows:
+        click.echo(f'{_counted(rows, "reading")} of yours in {notebook.path}: kapitsa reduce {notebook.path}')
+
+
+def _counted(things: Sequence[object], name: str) -> str:
+    return f'{len(things)} {name}{"" if len(things) == 1 else "s"}'

@@ -1,0 +1,120 @@
+"""What a page is told of the bench, in the parts in which it changes."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+from kapitsa_ros.bench.bench_state import FASTEST
+from kapitsa_ros.bench.message import Message
+from kapitsa_ros.bench.notebook import WrittenRow
+from kapitsa_ros.instruments.lamp import AFTERIMAGE
+from kapitsa_ros.instruments.strobe import StrobeReading
+from kapitsa_ros.units import RPM
+from kapitsa_ros.web.catalogue import words_of
+
+if TYPE_CHECKING:
+    from kapitsa_ros.bench.bench_state import BenchState
+    from kapitsa_ros.instruments.stopwatch import StopwatchReading
+    from kapitsa_ros.web.page_client import PageClient
+    from kapitsa_ros.web.web_bench import WebBench
+
+_MESSAGES = 6
+
+
+def report(bench: WebBench, page: PageClient) -> dict[str, str]:
+    """Return the parts of the report by kind, each a JSON object with its `kind`."""
+    words = words_of(page.language)
+    parts = {
+        'knobs': _knobs(bench.state, bench.now()),
+        'rig': _rig(bench, page, words),
+        'book': _book(bench.state),
+        'fit': bench.fit.values(words),
+        'messages': {'messages': [message.said_by(words) for message in list(bench.state.messages)[-_MESSAGES:]]},
+    }
+    return {kind: json.dumps({'kind': kind} | values, allow_nan=False) for kind, values in parts.items()}
+
+
+def _knobs(state: BenchState, now: float) -> dict[str, Any]:
+    watch = state.watch
+    return {
+        'speed': state.speed,
+        'fastest': FASTEST,
+        'angle': state.release,
+        'dial': state.dial,
+        'dial_reading': state.dial_reading,
+        'dial_end': state.dial_end,
+        'graduation': state.graduation,
+        'touch': state.touch,
+        'images': state.images,
+        'forcing': state.forcing,
+        'swings': state.swings,
+        'watch_started': watch.started if watch.runs else None,
+        'watch_gain': watch.gain,
+        'watch_digit': watch.digit,
+        'watch_shown': None if watch.runs else watch.shown(now),
+        'period': None if watch.runs or not watch.shown(now) else state.period(now),
+    }
+
+
+def _rig(bench: WebBench, page: PageClient, words: dict[str, str]) -> dict[str, Any]:
+    state = bench.state
+    readings = list(state.rig_readings) if bench.rig_readings_seen else []
+    return {
+        'run': state.run,
+        'runs': bench.runs,
+        'paused': state.paused,
+        'pace': state.clock.rate,
+        'length': bench.plant.length,
+        'amplitude': bench.plant.amplitude,
+        'afterimage': AFTERIMAGE,
+        'mark_width': bench.instruments.strobe.mark_width,
+        'works': bench.pages.works(page),
+        'failure': bench.failure,
+        'plot_seen': bench.plot_seen,
+        'rig_readings_seen': bench.rig_readings_seen,
+        'rig_readings': [_reading(run, reading).said_by(words) for run, reading in readings],
+    }
+
+
+def _book(state: BenchState) -> dict[str, Any]:
+    return {
+        'lines': [
+            {
+                'run': line.row.run,
+                'forcing_rpm': line.row.forcing_rpm,
+                'period_s': line.row.period_s,
+                'swings': line.row.swings,
+                'display_s': line.row.display_s,
+                'release_rad': None if math.isnan(line.row.release_rad) else line.row.release_rad,
+                'struck': line.struck,
+            }
+            if isinstance(line, WrittenRow)
+            else {'note': line}
+            for line in state.notebook.lines
+        ]
+    }
+
+
+_ENDS = {
+    'fell': 'run {run}, {time:.1f} s: the pendulum fell',
+    'stopped': 'run {run}, {time:.1f} s: the pendulum stopped swinging',
+}
+
+
+def _reading(run: int, reading: StrobeReading | StopwatchReading) -> Message:
+    if isinstance(reading, StrobeReading):
+        return Message(
+            'run {run}, {time:.1f} s: strobe {rpm:.6g} RPM', run=run, time=reading.time, rpm=reading.speed / RPM
+        )
+    if reading.kind != 'timed':
+        return Message(_ENDS[reading.kind], run=run, time=reading.pressed_at)
+    return Message(
+        'run {run}, {time:.1f} s: {swings} swings in {shown:.2f} s, a period of {period:.3f} s',
+        run=run,
+        time=reading.pressed_at,
+        swings=reading.swings,
+        shown=reading.displayed,
+        period=reading.displayed / reading.swings,
+    )

@@ -1,0 +1,88 @@
+"""The critical speed by the person's own readings, worked out anew with each line of the book."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kapitsa_ros.bench.message import Message
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kapitsa_ros._api.reduce import Reduction
+    from kapitsa_ros.physics.plant import Plant
+
+_READINGS = 2
+"""That a fit needs at least."""
+_TOO_FEW = Message('two readings at different speeds make a line')
+
+
+class BookFit:
+    """Keeps the reduction of a table: what `kapitsa reduce` says of it.
+
+    Parameters
+    ----------
+    plant
+        Its amplitude is the ruler's, and theory predicts for it.
+    on_change
+        Called in the event loop whenever there is another fit.
+
+    """
+
+    def __init__(self, plant: Plant, on_change: Callable[[], None]) -> None:
+        self._plant = plant
+        self._on_change = on_change
+        self._values: dict[str, Any] = {}
+        self._why = _TOO_FEW
+        self._task: asyncio.Task[None] | None = None
+        self._wanted: tuple[Path, int] | None = None
+
+    def values(self, words: dict[str, str]) -> dict[str, Any]:
+        """Return what is to be drawn and said; numbers are RPM and s."""
+        return {'why': self._why.said_by(words) if not self._values else None} | self._values
+
+    def begin(self, table: Path, readings: int) -> None:
+        """Work the fit out anew, from a table with a number of readings; of several that wait the last."""
+        self._wanted = table, readings
+        if self._task is None or self._task.done():
+            self._task = asyncio.get_running_loop().create_task(self._work_out())
+
+    async def _work_out(self) -> None:
+        while self._wanted is not None:
+            (table, readings), self._wanted = self._wanted, None
+            values: dict[str, Any] = {}
+            why = _TOO_FEW
+            if readings >= _READINGS:
+                try:
+                    values = _told(await asyncio.to_thread(_reduced, table, self._plant))
+                except (KapitsaError, OSError) as error:
+                    why = Message(str(error))
+            self._values, self._why = values, why
+            self._on_change()
+
+
+def _reduced(table: Path, plant: Plant) -> Reduction:
+    # Half a second, for which the first picture need not wait.
+    from kapitsa_ros._api.reduce import reduce  # noqa: PLC0415
+    from kapitsa_ros.configuration.tables import read_timings  # noqa: PLC0415
+
+    return reduce(read_timings(table), plant)
+
+
+def _told(found: Reduction) -> dict[str, Any]:
+    readings = found.readings
+    return {
+        'omega_crit_rpm': found.omega_crit / RPM,
+        'interval_rpm': [None if end is None else end / RPM for end in found.omega_crit_interval],
+        'inverse_rpm': None if found.inverse_ols is None else found.inverse_ols / RPM,
+        'slope': None if found.line is None else found.line.slope,
+        'forcing_rpm': (readings.forcing / RPM).tolist(),
+        'slow_rpm': (2.0 * np.pi / readings.period / RPM).tolist(),
+        'warnings': list(found.warnings),
+    }

@@ -1,0 +1,60 @@
+"""All open pages of a bench: one works it, the others watch."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.web.errors import PageRequestError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kapitsa_ros.web.page_client import PageClient
+
+MOST_PAGES = 16
+RETURN = 3.0
+"""Wall seconds for which the bench is kept for a page whose link was lost, before another may work it."""
+
+
+class PageClients:
+    """The pages in the order in which they came."""
+
+    def __init__(self) -> None:
+        self._pages: list[PageClient] = []
+        self._holder: str | None = None
+        """Key of the page that works the bench."""
+        self._kept_until = 0.0
+        """Wall time until which nobody else may work it."""
+
+    def __iter__(self) -> Iterator[PageClient]:
+        return iter(self._pages)
+
+    def join(self, page: PageClient, now: float) -> None:
+        """Take a page in, at a wall time.
+
+        Raises
+        ------
+        PageRequestError
+            There are too many already.
+
+        """
+        if len(self._pages) >= MOST_PAGES:
+            raise PageRequestError(f'{MOST_PAGES} pages are open at this bench already: close one')
+        self._pages.append(page)
+        self.hand_on(now)
+
+    def leave(self, page: PageClient, now: float) -> None:
+        """Let a page go."""
+        self._pages.remove(page)
+        if page.key == self._holder:
+            self._kept_until = now + RETURN if self._pages else now  # who comes to an empty bench need not wait
+
+    def hand_on(self, now: float) -> None:
+        """Give the bench to the oldest page, where the one that worked it did not come back."""
+        keys = [page.key for page in self._pages]
+        if keys and self._holder not in keys and now >= self._kept_until:
+            self._holder = keys[0]
+
+    def works(self, page: PageClient) -> bool:
+        """Whether a page works the bench; of two with one key (a tab that was doubled) the older one does."""
+        return page.key == self._holder and next(each for each in self._pages if each.key == page.key) is page

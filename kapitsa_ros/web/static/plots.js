@@ -1,0 +1,95 @@
+// Two plots: the readings with the fitted line, and the angle over time.
+
+import { prepare } from './drawing.js';
+
+const LEFT = 46;
+const BOTTOM = 34;
+const TOP = 10;
+const RIGHT = 12;
+
+function axes(pen, width, height, colors, xText, yText) {
+  pen.strokeStyle = colors.line;
+  pen.fillStyle = colors.faint;
+  pen.lineWidth = 1;
+  pen.font = '12px system-ui, sans-serif';
+  pen.beginPath();
+  pen.moveTo(LEFT, TOP);
+  pen.lineTo(LEFT, height - BOTTOM);
+  pen.lineTo(width - RIGHT, height - BOTTOM);
+  pen.stroke();
+  pen.textAlign = 'right';
+  pen.fillText(xText, width - RIGHT, height - 4);
+  pen.textAlign = 'left';
+  pen.fillText(yText, LEFT + 6, TOP + 8);
+}
+
+export function drawFit(canvas, fit, colors) {
+  const { pen, width, height } = prepare(canvas);
+  axes(pen, width, height, colors, 'ω², 10⁶ RPM²', 'Ω², 10³ RPM²');
+  if (!fit || !fit.forcing_rpm) return;
+  const points = fit.forcing_rpm.map((speed, i) => [speed ** 2 / 1e6, fit.slow_rpm[i] ** 2 / 1e3]);
+  const ends = fit.interval_rpm.filter((end) => end !== null).map((end) => end ** 2 / 1e6);
+  const crossing = fit.inverse_rpm === null ? fit.omega_crit_rpm : fit.inverse_rpm;
+  const xs = [...points.map(([x]) => x), ...ends, fit.omega_crit_rpm ** 2 / 1e6, crossing ** 2 / 1e6];
+  const low = 0.9 * Math.min(...xs);
+  const high = 1.05 * Math.max(...xs);
+  const top = 1.15 * Math.max(...points.map(([, y]) => y));
+  const px = (x) => LEFT + ((x - low) / (high - low)) * (width - LEFT - RIGHT);
+  const py = (y) => height - BOTTOM - (y / top) * (height - BOTTOM - TOP);
+  pen.textAlign = 'center';
+  pen.fillStyle = colors.faint;
+  for (let i = 0; i <= 4; i++) {
+    const x = low + ((high - low) * i) / 4;
+    pen.fillText(x.toFixed(1), px(x), height - BOTTOM + 14);
+    pen.fillText(((top * i) / 4).toFixed(0), LEFT - 20, py((top * i) / 4) + 4);
+  }
+  if (fit.slope !== null && fit.inverse_rpm !== null) {
+    const line = (x) => fit.slope * (x - crossing ** 2 / 1e6) * 1e3;
+    pen.strokeStyle = colors.accent;
+    pen.lineWidth = 2;
+    pen.beginPath();
+    pen.moveTo(px(crossing ** 2 / 1e6), py(0));
+    pen.lineTo(px(high), py(Math.min(line(high), top * 1.2)));
+    pen.stroke();
+  }
+  if (ends.length) { // the interval of the best estimate, on the axis; an end that is not there has no cap
+    const [from, to] = fit.interval_rpm;
+    const a = from === null ? LEFT : px(from ** 2 / 1e6);
+    const b = to === null ? width - RIGHT : px(to ** 2 / 1e6);
+    pen.fillStyle = colors.accent;
+    pen.globalAlpha = 0.35;
+    pen.fillRect(a, height - BOTTOM - 5, b - a, 10);
+    pen.globalAlpha = 1;
+  }
+  pen.fillStyle = colors.accent;
+  pen.fillRect(px(fit.omega_crit_rpm ** 2 / 1e6) - 2, height - BOTTOM - 9, 4, 18);
+  pen.fillStyle = colors.ink;
+  for (const [x, y] of points) {
+    pen.beginPath();
+    pen.arc(px(x), py(y), 4, 0, 2 * Math.PI);
+    pen.fill();
+  }
+}
+
+export function drawAngle(canvas, store, time, colors) {
+  const { pen, width, height } = prepare(canvas);
+  const span = 6;
+  axes(pen, width, height, colors, 's', 'θ, rad');
+  const count = Math.min(width, 600);
+  const seen = [];
+  for (let i = 0; i <= count; i++) {
+    const at = time - span + (span * i) / count;
+    const state = at >= (store.steps.length ? store.steps[0].start : Infinity) ? store.at(at) : null;
+    if (state) seen.push([i / count, state.angle]);
+  }
+  const reach = Math.max(0.05, ...seen.map(([, angle]) => Math.abs(angle))) * 1.1;
+  const px = (part) => LEFT + part * (width - LEFT - RIGHT);
+  const py = (angle) => TOP + ((reach - angle) / (2 * reach)) * (height - TOP - BOTTOM);
+  pen.textAlign = 'right';
+  for (const mark of [-reach / 1.1, 0, reach / 1.1]) pen.fillText(mark.toFixed(2), LEFT - 6, py(mark) + 4);
+  pen.strokeStyle = colors.accent;
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  seen.forEach(([part, angle], i) => (i ? pen.lineTo(px(part), py(angle)) : pen.moveTo(px(part), py(angle))));
+  pen.stroke();
+}

@@ -1,0 +1,212 @@
+"""The bench behind the pages: its rig, its state, and what pages are told of it."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import time
+from collections import deque
+from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
+from kapitsa_ros.bench.bench_state import BenchState
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.network.registry import MOTION, PIVOT
+from kapitsa_ros.operator.protocol import MANUAL
+from kapitsa_ros.rig.harness import Rig
+from kapitsa_ros.rig.preflight import make_writable
+from kapitsa_ros.web.bench_report import report
+from kapitsa_ros.web.book_fit import BookFit
+from kapitsa_ros.web.motion_frame import encode_motion
+from kapitsa_ros.web.page_clients import PageClients
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.network.step_id import StepId
+    from kapitsa_ros.physics.plant import Plant
+    from kapitsa_ros.physics.sampled_motion import SampledMotion
+    from kapitsa_ros.rig.errors import RigError
+    from kapitsa_ros.ros.rig_client import News
+    from kapitsa_ros.web.page_client import PageClient
+
+_TOLD_EVERY = 0.04
+"""Wall seconds between two reports to the pages."""
+_RECENT = 20
+"""Steps that a page is shown when it comes."""
+_SEEN_LATE = 1.0
+"""Seconds of wall time by which a page may show the motion late."""
+
+
+class WebBench:
+    """A rig with a person before it; lives in the event loop.
+
+    Parameters
+    ----------
+    plant, instruments, seed, rate
+        Of the rig.
+    bags
+        Folder for its runs.
+    table
+        Where the person's readings go.
+
+    """
+
+    def __init__(  # noqa: PLR0917  # as the command's options
+        self, plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path
+    ) -> None:
+        self.plant, self.instruments = plant, instruments
+        self._seed = seed
+        self.state = BenchState(plant, instruments, table, rate)
+        self.pages = PageClients()
+        self.folders = [bags]
+        """Of the runs: one a rig."""
+        self.failure: str | None = None
+        """What the rig died of; None while it lives."""
+        self.plot_seen = False
+        """Whether the person looks at θ(t)."""
+        self.rig_readings_seen = False
+        """Whether the person looks at what the rig's own instruments read."""
+        self.fit = BookFit(plant, self.changed)
+        self.controls: BenchControls | None = None
+        self._rig: Rig | None = None
+        self._pivot: tuple[StepId, SampledMotion] | None = None
+        self._loop = asyncio.get_running_loop()
+        self._changed = asyncio.Event()
+        self._repairing = asyncio.Lock()
+        self._recent: deque[bytes] = deque(maxlen=_RECENT)
+
+    @property
+    def runs(self) -> bool:
+        """Whether there is a rig that has begun a run."""
+        return self.failure is None and self._rig is not None and self.state.run > self.state.runs_before
+
+    async def start(self) -> None:
+        """Start a rig.
+
+        Raises
+        ------
+        KapitsaError
+            It cannot be started.
+
+        """
+        folder, rate = self.folders[-1], self.state.clock.rate
+        make_writable(folder)
+        rig = Rig(self.plant, self.instruments, self._seed, rate, bags=folder, protocol=MANUAL)
+        self._rig = await asyncio.to_thread(rig.__enter__)
+        self.controls = BenchControls(self._rig, self.state, self._post, self._receive_failure, self._receive)
+        self.controls.start()
+        self.changed()
+
+    async def end(self) -> None:
+        """End the run, so that its bag is complete, and stop the rig."""
+        if self.runs and self.controls is not None:
+            ended = asyncio.Event()
+            self.controls.end_run(ended.set)
+            try:
+                await asyncio.wait_for(ended.wait(), PATIENCE)
+            except TimeoutError:
+                self.state.notify('the run could not be ended: its bag says so')
+        await self._stop_rig()
+
+    async def repair(self) -> None:
+        """Start another rig in place of one that died, with the run that comes next."""
+        async with self._repairing:
+            if self.failure is None:
+                return
+            await self._stop_rig()
+            speed = self.state.speed
+            self.state.runs_before = self.state.run
+            self.folders.append(self.folders[0] / f'rig_{len(self.folders) + 1}')
+            self.state.set_paused(paused=False)
+            try:
+                await self.start()
+            except (KapitsaError, OSError) as error:
+                self.failure = str(error)
+            else:
+                self.failure = None
+                if speed and self.controls is not None:
+                    self.controls.set_speed(speed)
+        self.changed()
+
+    def now(self) -> float:
+        """Return the simulated time, s of the run."""
+        return self.state.clock.now(time.monotonic())
+
+    def seen_at(self, moment: float) -> float:
+        """Return when a person pressed who saw the motion of a moment, s of the run.
+
+        What a page says is believed as far as the motion can have been on its way.
+        """
+        now = self.now()
+        return min(max(moment, now - _SEEN_LATE * max(1.0, self.state.clock.rate)), self.state.clock.known)
+
+    def changed(self) -> None:
+        """Have the pages told what is different now."""
+        self._changed.set()
+
+    async def tell_pages(self) -> None:
+        """Tell all pages of every change, at most 25 times a second; goes on until it is cancelled."""
+        while True:
+            with suppress(TimeoutError):  # somebody may have left
+                await asyncio.wait_for(self._changed.wait(), 1.0)
+            self._changed.clear()
+            self.pages.hand_on(time.monotonic())
+            for page in self.pages:
+                self.tell(page)
+            await asyncio.sleep(_TOLD_EVERY)
+
+    def tell(self, page: PageClient) -> None:
+        """Tell a page how things are."""
+        for kind, text in report(self, page).items():
+            page.tell(kind, text)
+
+    def welcome(self, page: PageClient) -> None:
+        """Tell a page that has just come how things are, and what was seen last."""
+        self.tell(page)
+        for frame in self._recent:
+            page.show(frame)
+
+    def _receive(self, news: list[News]) -> None:
+        for topic, step_id, value in news:
+            if topic == PIVOT.name:
+                self._pivot = step_id, value
+            elif topic == MOTION.name and self._pivot is not None and self._pivot[0] == step_id:
+                self._show(step_id, value, self._pivot[1])
+        now = self.now()
+        if not math.isnan(self.state.angle(now)):
+            self.state.check_fall(now)
+        self.changed()
+
+    def _show(self, step_id: StepId, pendulum: SampledMotion, pivot: SampledMotion) -> None:
+        start = step_id.step * pendulum.duration
+        flashes = self.state.lamp.flashes(start, start + pendulum.duration)
+        frame = encode_motion(self.state.runs_before + step_id.run, start, pendulum, pivot, flashes)
+        self._recent.append(frame)
+        for page in self.pages:
+            page.show(frame)
+
+    def _receive_failure(self, error: RigError) -> None:
+        self.failure = str(error)
+        self.changed()
+
+    async def _stop_rig(self) -> None:
+        controls, self.controls = self.controls, None
+        rig, self._rig = self._rig, None
+        if controls is not None:
+            await asyncio.to_thread(controls.stop)
+        if rig is not None:
+            await asyncio.to_thread(rig.__exit__, None, None, None)
+
+    def _post(self, act: Callable[[], None]) -> None:
+        """Have a call made in the event loop; called from any thread."""
+
+        def make() -> None:
+            act()
+            self.changed()
+
+        with suppress(RuntimeError):  # the loop is over, and with it the bench
+            self._loop.call_soon_threadsafe(make)

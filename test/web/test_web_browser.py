@@ -1,0 +1,258 @@
+"""The bench in Chromium, worked by keyboard and mouse: one rig for all tests, in the order in which they stand."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kapitsa_ros.configuration.tables import read_timings
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.units import RPM
+
+pytest.importorskip('starlette')
+playwright = pytest.importorskip('playwright.sync_api', reason='the browser tests need playwright: make setup')
+
+CHROMIUM = next(filter(None, map(shutil.which, ('chromium', 'chromium-browser', 'google-chrome'))), None)
+OFFLINE = (
+    '--no-sandbox',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    '--no-first-run',
+)
+PATIENCE = 60_000
+SPEEDS = {2240: 12, 2640: 10, 2780: 9}
+"""RPM, and tenths of a second that two swings take there, nearly."""
+pytestmark = [
+    pytest.mark.xdist_group('web'),
+    pytest.mark.skipif(CHROMIUM is None, reason='no chromium here: apt install chromium'),
+]
+
+
+@pytest.fixture(scope='module')
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=list(OFFLINE))
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def open_page(bench: Any, browser: Any) -> Iterator[Callable[..., Any]]:
+    """Open pages; none of them asks for anything elsewhere, or fails."""
+    bench.wait()
+    contexts, asked, wrong = [], [], []
+
+    def open_(query: str = '', **options: Any) -> Any:
+        context = browser.new_context(
+            **({'viewport': {'width': 1000, 'height': 700}, 'reduced_motion': 'reduce'} | options)
+        )
+        contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(PATIENCE)
+        page.on('request', lambda request: asked.append(request.url))
+        page.on('pageerror', lambda error: wrong.append(str(error)))
+        page.on('console', lambda line: line.type == 'error' and wrong.append(line.text))
+        page.goto(bench.url + query)
+        page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 2')
+        return page
+
+    yield open_
+    for context in contexts:
+        context.close()
+    assert asked
+    assert [url for url in asked if not url.startswith(bench.url)] == []
+    assert wrong == []
+
+
+def the(page: Any, name: str) -> Any:
+    return page.get_by_test_id(name)
+
+
+def wait_text(page: Any, name: str, text: str) -> None:
+    playwright.expect(the(page, name)).to_contain_text(text, timeout=PATIENCE)
+
+
+def seconds(page: Any) -> float:
+    return float(the(page, 'status').inner_text().split('·')[1].split()[0])
+
+
+def wait_seconds(page: Any, until: float) -> None:
+    page.wait_for_function(
+        "until => Number(document.getElementById('status').textContent.split('·')[1].split(' s')[0]) >= until",
+        arg=until,
+    )
+
+
+def wait_drawn(page: Any) -> None:
+    """Wait until what the page knows is on it."""
+    drawn = page.evaluate('() => Number(document.documentElement.dataset.frames)')
+    page.wait_for_function('drawn => Number(document.documentElement.dataset.frames) > drawn + 1', arg=drawn)
+
+
+def images(page: Any) -> int:
+    """Count the bright images of the mark, down the middle of the lamp's picture."""
+    column = page.evaluate(
+        """() => {
+            const canvas = document.getElementById('lamp');
+            const pixels = canvas.getContext('2d').getImageData(canvas.width / 2, 0, 1, canvas.height).data;
+            return Array.from({length: canvas.height}, (_, i) => pixels[4 * i]);
+        }"""
+    )
+    lit = np.array(column) > 100
+    return int(np.count_nonzero(np.diff(lit.astype(int)) == 1))
+
+
+def begin_run(page: Any) -> int:
+    run = int(the(page, 'status').inner_text().split()[1])
+    page.keyboard.press('x')
+    wait_text(page, 'status', f'run {run + 1}')
+    return run + 1
+
+
+def measure(page: Any, rpm: int, tenths: int) -> None:
+    """Find the speed with the lamp and time two swings, at a rig that is stepped for the watch's sake."""
+    the(page, 'pace').select_option('16')
+    the(page, 'speed').fill(str(rpm))
+    page.keyboard.press('Enter')
+    page.keyboard.press('Escape')
+    the(page, 'dial').fill(str(2 * rpm - 3))
+    page.keyboard.press('Enter')
+    page.keyboard.press('Escape')
+    wait_text(page, 'dial-reading', str(2 * rpm - 3))
+    for _ in range(3):
+        page.keyboard.press('ArrowRight')
+    wait_text(page, 'forcing', str(rpm))
+    wait_seconds(page, seconds(page) + 8.0)
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Go on')
+    wait_drawn(page)
+    assert images(page) in {1, 2}
+    the(page, 'rig').scroll_into_view_if_needed()
+    box = the(page, 'rig').bounding_box()  # pulled aside by hand
+    page.mouse.move(box['x'] + box['width'] / 2 + 5, box['y'] + 0.3 * box['height'])
+    page.mouse.down()
+    page.mouse.move(box['x'] + box['width'] / 2 + 20, box['y'] + 0.3 * box['height'])
+    page.mouse.up()
+    wait_text(page, 'messages', 'released from')
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Pause')
+    wait_seconds(page, seconds(page) + 10.0)  # the rig's own stopwatch has its reading too
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Go on')
+    wait_drawn(page)
+    page.keyboard.press('Space')
+    begun = seconds(page)
+    for _ in range(tenths):
+        page.keyboard.press('n')
+    wait_seconds(page, round(begun + 0.1 * tenths, 1) - 0.01)
+    page.keyboard.press('Space')
+    wait_text(page, 'period', f'{tenths / 20:.3f} s')
+    page.keyboard.press('w')
+    wait_text(page, 'messages', 'written down')
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Pause')
+
+
+def test_a_whole_laboratory_by_keyboard_and_mouse(
+    bench: Any, open_page: Callable[..., Any], kapitsa: Callable[..., Any]
+) -> None:
+    page = open_page()
+    runs = []
+    the(page, 'swings').fill('2')
+    page.keyboard.press('Enter')
+    page.keyboard.press('Escape')
+    for rpm, tenths in SPEEDS.items():
+        runs.append(begin_run(page))
+        measure(page, rpm, tenths)
+    last = begin_run(page)
+    rows = [row.split('\t')[:5] for row in the(page, 'book').inner_text().splitlines()[1:]]
+    assert [row[1:5] for row in rows[-3:]] == [
+        [str(run), str(rpm), f'{tenths / 20:.3f}', '2'] for run, (rpm, tenths) in zip(runs, SPEEDS.items(), strict=True)
+    ]
+    wait_text(page, 'fit', '95 % interval')
+    written = kapitsa('reduce', bench.folder / 'mine.csv', '--json').json
+    assert f'{written["omega_crit_rpm"]:.1f} RPM' in the(page, 'fit').inner_text()
+    assert bench.get('book.csv')[1] == (bench.folder / 'mine.csv').read_text()
+    assert [row.speed / RPM for row in read_timings(bench.folder / 'mine.csv').rows] == pytest.approx(list(SPEEDS))
+    bags = [next((bench.folder / 'runs').glob(f'run_{run:02d}_*')) for run in runs]
+    assert all(RunBag(bag).complete for bag in bags)
+    analysed = kapitsa('analyse', *bags, '--json').json
+    read = [(run['speed_reading_rpm'], run['period_s']) for run in analysed['runs']]
+    assert [speed for speed, _ in read] == pytest.approx(list(SPEEDS), rel=0.002)
+    assert [period for _, period in read] == pytest.approx([tenths / 20 for tenths in SPEEDS.values()], rel=0.1)
+    page.get_by_role('button', name='strike out line 1').click()
+    wait_text(page, 'book', 'struck out')
+    assert len(the(page, 'book').inner_text().splitlines()) == 4
+    page.reload()  # in mid-run
+    page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 2')
+    wait_text(page, 'status', f'run {last}')
+    wait_text(page, 'book', 'struck out')
+    wait_text(page, 'fit', '95 % interval')
+    playwright.expect(the(page, 'speed')).to_be_enabled()
+
+
+def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
+    first, second = open_page(reduced_motion='no-preference'), open_page()
+    wait_text(second, 'status', 'run')
+    assert 'Another page works this bench' in second.get_by_role('alert').inner_text()
+    playwright.expect(the(second, 'speed')).to_be_disabled()
+    playwright.expect(the(first, 'speed')).to_be_enabled()
+
+
+def test_the_angle_is_drawn_only_for_who_takes_the_blindfold_off(bench: Any, open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    playwright.expect(the(page, 'angle-plot')).to_be_hidden()
+    assert the(page, 'rig-readings').inner_text() == ''
+    the(page, 'look').click()
+    playwright.expect(the(page, 'angle-plot')).to_be_visible()
+    wait_text(page, 'book', 'the plot of the angle is looked at')
+    assert '# run ' in (bench.folder / 'mine.csv').read_text()
+    the(page, 'look').click()
+    playwright.expect(the(page, 'angle-plot')).to_be_hidden()
+
+
+@pytest.mark.parametrize('width', [390, pytest.param(768, marks=pytest.mark.slow)])
+def test_narrow_screens_do_not_scroll_sideways(open_page: Callable[..., Any], width: int) -> None:
+    page = open_page(viewport={'width': width, 'height': 800}, has_touch=True)
+    assert page.evaluate('() => document.documentElement.scrollWidth') <= width
+    the(page, 'stopwatch').tap()
+    page.wait_for_function("() => Number(document.getElementById('stopwatch').textContent) > 0.2")
+    the(page, 'stopwatch').tap()
+    wait_text(page, 'period', '→')
+    the(page, 'clear').tap()
+
+
+def test_the_page_speaks_the_language_of_the_browser(open_page: Callable[..., Any]) -> None:
+    page = open_page(locale='de-DE')
+    assert page.get_attribute('html', 'lang') == 'de'
+    wait_text(page, 'pause', 'Anhalten')
+    wait_text(page, 'messages', 'die Welle ruht')
+    assert open_page('?lang=en', locale='de-DE').get_attribute('html', 'lang') == 'en'
+
+
+@pytest.mark.parametrize('scheme', [pytest.param('light', marks=pytest.mark.slow), 'dark'])
+def test_nothing_serious_stands_in_the_way_of_anyone(open_page: Callable[..., Any], scheme: str) -> None:
+    axe = pytest.importorskip('axe_playwright_python.sync_playwright').Axe()
+    page = open_page(color_scheme=scheme)
+    page.locator('summary').click()
+    found = axe.run(page).response['violations']
+    assert [(each['id'], each['nodes'][0]['html']) for each in found if each['impact'] in {'serious', 'critical'}] == []
+
+
+def test_a_screen_reader_is_told_states_and_readings(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    names = {'Speed of the shaft, RPM', 'Dial of the lamp, flashes a minute', 'Release angle, rad'}
+    for name in names:
+        assert page.get_by_role('textbox', name=name).count() == 1
+    assert page.get_by_role('log').get_attribute('aria-live') == 'polite'
+    page.keyboard.press('v')
+    page.wait_for_function("() => /the rod (is at|lies)/.test(document.getElementById('said').textContent)")
+    order = []
+    for _ in range(12):
+        page.keyboard.press('Tab')
+        order.append(page.evaluate('() => document.activeElement.id'))
+    assert [name for name in order if name][:4] == ['pause', 'pace', 'next-run', 'describe']
