@@ -9,7 +9,7 @@ import numpy as np
 
 from kapitsa_ros.bench.message import Message
 from kapitsa_ros.errors import KapitsaError
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import RPM, decimals_within
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,6 +79,7 @@ def _told(found: Reduction) -> dict[str, Any]:
     readings = found.readings
     return {
         'omega_crit_rpm': found.omega_crit / RPM,
+        'decimals': decimals_within(found.omega_crit_interval, RPM),
         'interval_rpm': [None if end is None else end / RPM for end in found.omega_crit_interval],
         'inverse_rpm': None if found.inverse_ols is None else found.inverse_ols / RPM,
         'slope': None if found.line is None else found.line.slope,

@@ -174,7 +174,7 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
     ]
     wait_text(page, 'fit', '95 % interval')
     written = kapitsa('reduce', bench.folder / 'mine.csv', '--json').json
-    assert f'{written["omega_crit_rpm"]:.1f} RPM' in the(page, 'fit').inner_text()
+    assert f'{written["omega_crit_rpm"]:.0f} RPM' in the(page, 'fit').inner_text()
     assert bench.get('book.csv')[1] == (bench.folder / 'mine.csv').read_text()
     assert [row.speed / RPM for row in read_timings(bench.folder / 'mine.csv').rows] == pytest.approx(list(SPEEDS))
     bags = [next((bench.folder / 'runs').glob(f'run_{run:02d}_*')) for run in runs]

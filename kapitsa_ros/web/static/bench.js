@@ -60,12 +60,12 @@ const shows = {
   },
   fit(report) {
     bench.fit = report;
-    const { omega_crit_rpm: speed, interval_rpm: ends } = report;
+    const { omega_crit_rpm: speed, interval_rpm: ends, decimals } = report;
     if (speed === undefined) $('fit').textContent = report.why;
     else {
-      const [low, high] = ends.map((end) => (end === null ? say('unbounded') : end.toFixed(0)));
+      const [low, high] = ends.map((end) => (end === null ? say('unbounded') : end.toFixed(decimals)));
       $('fit').textContent = [
-        say('ω_crit = {speed} RPM, 95 % interval {low} to {high} RPM', { speed: speed.toFixed(1), low, high }),
+        say('ω_crit = {speed} RPM, 95 % interval {low} to {high} RPM', { speed: speed.toFixed(decimals), low, high }),
         ...(report.inverse_rpm === null ? [] : [say('the line alone: {speed} RPM', { speed: report.inverse_rpm.toFixed(1) })]),
         ...report.warnings,
       ].join('; ');
