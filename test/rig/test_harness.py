@@ -204,7 +204,7 @@ def test_a_thousand_requests_from_two_writers_at_once(lab: Rig) -> None:
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=lab.domain)
-    writers = [Node(f'writer_{number}', context=context) for number in range(2)]
+        writers = [Node(f'writer_{number}', context=context) for number in range(2)]
     refused: dict[str, int] = {}
 
     def take_health(array: DiagnosticArray) -> None:

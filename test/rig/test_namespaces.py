@@ -1,6 +1,5 @@
 """Rigs in namespaces share a domain: each keeps to its own topics, and what is everybody's tells them apart."""
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,7 +15,7 @@ from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from kapitsa_ros.network.step_clock import DAY, SECOND
-from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.environment import node_environment, on_loopback
 
 pytestmark = pytest.mark.xdist_group('processes')
 REPORTERS = {'/left/player', '/left/analyser', '/right/player', '/right/analyser'}
@@ -26,14 +25,15 @@ BAG = Path(__file__).parents[2] / 'bags' / 'run_01_2240rpm'
 def started(role: str, namespace: str, domain: int, *arguments: str) -> subprocess.Popen[bytes]:
     told = ['-r', f'__ns:=/{namespace}', '-p', 'expect:=[player, analyser]', *arguments]
     command = [sys.executable, '-m', 'kapitsa_ros', 'node', role, '--ros-args', *told]
-    return subprocess.Popen(command, env=os.environ | {'ROS_DOMAIN_ID': str(domain)})
+    return subprocess.Popen(command, env=node_environment(domain))
 
 
 def test_two_replays_in_one_domain(domain: int, eventually: Callable[[Callable[[], Any]], None]) -> None:
     context = Context()
-    with on_loopback():
+    with on_loopback():  # the first node of a process opens DDS, for good
         rclpy.init(context=context, domain_id=domain)
-    node, executor = Node('observer', context=context), SingleThreadedExecutor(context=context)
+        node = Node('observer', context=context)
+    executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     said: dict[str, DiagnosticStatus] = {}
     stamps: list[int] = []

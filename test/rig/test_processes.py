@@ -59,7 +59,7 @@ def test_ros_sees_seven_nodes_and_their_topics(
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
-    stranger = Node('stranger', context=context)
+        stranger = Node('stranger', context=context)
     expected = {
         topic.name: (writer_of(topic).name, readers_of(topic) & set(ROLE_NAMES)) for topic in (*RECORDED, WRITTEN)
     }

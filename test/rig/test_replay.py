@@ -84,7 +84,8 @@ def audience_of(replay: Replay, bags: list[Path] = SHIPPED[:1]) -> Iterator[tupl
         with on_loopback():
             rclpy.init(context=context, domain_id=domain)
             monitor = SessionMonitor(domain)
-        node, executor = Node('audience', context=context), SingleThreadedExecutor(context=context)
+            node = Node('audience', context=context)
+        executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)
         told = replay_parameters(bags, replay) | {'expect': [*REPLAY_NAMES, 'session_monitor']}
         try:

@@ -56,7 +56,7 @@ def test_nodes_do_what_the_policy_allows_and_nothing_else(
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
-    observer = Node('observer', context=context)
+        observer = Node('observer', context=context)
 
     def names_of(role: str) -> tuple[set[str], ...]:
         """Return what a node has been heard to write, read and answer; its name may come later than the rest."""

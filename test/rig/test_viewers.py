@@ -92,7 +92,7 @@ def viewer_in(domain: int) -> Iterator[Viewer]:
     context = Context()
     with on_loopback():
         rclpy.init(context=context, domain_id=domain)
-    node = Node('viewer', context=context, parameter_overrides=[Parameter('use_sim_time', value=True)])
+        node = Node('viewer', context=context, parameter_overrides=[Parameter('use_sim_time', value=True)])
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
     viewer = Viewer(node, executor)

@@ -202,7 +202,7 @@ def test_why_a_node_ends_reaches_rosout_and_is_no_longer_than_a_line(domain: int
     context, heard = Context(), []
     with on_loopback():
         context.init(domain_id=domain)
-    listener = Node('listener', context=context)
+        listener = Node('listener', context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(listener)
     listener.create_subscription(Log, '/rosout', heard.append, LATCHED)
