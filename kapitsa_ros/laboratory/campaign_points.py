@@ -14,6 +14,7 @@ from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.schema import describe
+from kapitsa_ros.versions import versions
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,4 +74,4 @@ def _point(values: Mapping[str, Value], experiment: SimulatedExperiment) -> Camp
 
 def identity_of(points: tuple[CampaignPoint, ...], experiments: int, assumptions: Mapping[str, float]) -> str:
     """Return a text that is the same for campaigns that give the same outcomes."""
-    return repr([[asdict(point.experiment) for point in points], experiments, dict(assumptions)])
+    return repr([[asdict(point.experiment) for point in points], experiments, dict(assumptions), versions()])

@@ -16,6 +16,7 @@ import kapitsa_ros as kr
 from kapitsa_ros.configuration.campaign_ranges import load_ranges
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.errors import OutputError
+from kapitsa_ros.laboratory import campaign_points
 from kapitsa_ros.units import RPM
 
 pa = pytest.importorskip('pyarrow')
@@ -142,3 +143,11 @@ def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Pa
     assert failed
     assert {row['failure'] for row in failed} == {'no swing could be timed'}
     assert all(row['coulomb'] == 8.0 and row['omega_crit_rpm'] is None for row in failed)
+
+
+def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    output = tmp_path / 'campaign.parquet'
+    kr.campaign(experiments=1, output=output)
+    monkeypatch.setattr(campaign_points, 'versions', lambda: {'kapitsa_ros': '0'})
+    with pytest.raises(OutputError, match='of another campaign'):
+        kr.campaign(experiments=1, output=output, resume=True)
