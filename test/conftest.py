@@ -92,7 +92,7 @@ def observer(domain: int) -> Iterator[SessionMonitor]:
 
 
 @pytest.fixture(scope='session', autouse=True)
-def one_fork_server() -> Iterator[None]:
+def one_fork_server(signals_heard: None) -> Iterator[None]:  # noqa: ARG001  # signals are inherited
     """Let the rigs of all tests in this process fork their nodes from one."""
     with fork_server():
         yield

@@ -64,7 +64,8 @@ def has_ended(watch: int) -> bool:
 def test_a_signal_ends_every_node_of_a_run_with_status_0(
     number: signal.Signals, domain: int, observer: SessionMonitor, tmp_path: Path
 ) -> None:
-    with NodeGroup(ROLE_NAMES, parameters(Setup(bags=tmp_path, rate=1.0)), domain) as nodes:
+    slower_than_patience = Setup(bags=tmp_path, rate=0.3)
+    with NodeGroup(ROLE_NAMES, parameters(slower_than_patience), domain) as nodes:
         observer.wait_for_progress(PATIENCE)
         for role in ROLE_NAMES:
             nodes[role].end(number)
