@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.extras import import_of_extra
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -22,11 +22,8 @@ def data_frame(columns: Mapping[str, Any]) -> pd.DataFrame:
         Pandas is not installed.
 
     """
-    try:
-        import pandas as pd  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError('a data frame needs pandas: pip install pandas, or "kapitsa_ros[report]"') from error
-    return pd.DataFrame(dict(columns))
+    frame: pd.DataFrame = import_of_extra('pandas', 'a data frame', 'report').DataFrame(dict(columns))
+    return frame
 
 
 def dataset(variables: Mapping[str, tuple[str, Any, dict[str, Any]]], attributes: Mapping[str, Any]) -> xr.Dataset:
@@ -38,8 +35,6 @@ def dataset(variables: Mapping[str, tuple[str, Any, dict[str, Any]]], attributes
         Xarray is not installed.
 
     """
-    try:
-        import xarray as xr  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError('a dataset needs xarray: pip install xarray, or "kapitsa_ros[report]"') from error
-    return xr.Dataset(dict(variables), attrs=dict(attributes))
+    xarray = import_of_extra('xarray', 'a dataset', 'report')
+    found: xr.Dataset = xarray.Dataset(dict(variables), attrs=dict(attributes))
+    return found

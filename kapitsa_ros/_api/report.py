@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros._api.inputs import as_assumptions, as_readings
 from kapitsa_ros._api.result import describe, speed_text
-from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
+from kapitsa_ros.errors import OPTION, OutputError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.naming import repeats, run_folders
 from kapitsa_ros.recording.reader import runs_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kapitsa_ros._api.inputs import AnyAssumptions
     from kapitsa_ros.recording.reader import RunBag
@@ -123,15 +124,13 @@ def report_format(page: Path, kind: str | None) -> Callable[[Document, Path], No
         The `report` extra is not installed.
 
     """
-    try:
-        from kapitsa_ros.reporting.report import WRITERS  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError(f'a report needs {error.name}: install kapitsa_ros[report]') from error
+    writers: Mapping[str, Callable[[Document, Path], None]]
+    writers = import_of_extra('kapitsa_ros.reporting.report', 'a report', 'report').WRITERS
     suffix = page.suffix.removeprefix('.')
-    chosen = kind or (suffix if suffix in WRITERS else 'html')
-    if chosen not in WRITERS:
-        raise OutputError(f'{OPTION}: no format: give one of {", ".join(WRITERS)}', option='format', value=chosen)
-    return WRITERS[chosen]
+    chosen = kind or (suffix if suffix in writers else 'html')
+    if chosen not in writers:
+        raise OutputError(f'{OPTION}: no format: give one of {", ".join(writers)}', option='format', value=chosen)
+    return writers[chosen]
 
 
 def _defects(bags: Iterable[RunBag]) -> Iterator[str]:

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from kapitsa_ros import units
-from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -64,8 +64,5 @@ def figures() -> ModuleType:
         Matplotlib is not installed.
 
     """
-    try:
-        from kapitsa_ros.reporting import figures as draw  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError('a plot needs matplotlib: pip install "kapitsa_ros[report]"') from error
+    draw: ModuleType = import_of_extra('kapitsa_ros.reporting.figures', 'a plot', 'report')
     return draw

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kapitsa_ros.errors import OPTION, OutputError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.output_file import check_output, replacing
 
 if TYPE_CHECKING:
@@ -27,14 +27,15 @@ def check_table_output(path: Path, *, overwrite: bool = False) -> None:
     Raises
     ------
     OutputError
-        It cannot be written or is there already, its name has another suffix, or it needs pyarrow, which is not
-        installed.
+        It cannot be written or is there already, or its name has another suffix.
+    MissingPackageError
+        It needs pyarrow, which is not installed.
 
     """
     if path.suffix not in _WRITERS:
         raise OutputError(f'{OPTION}: the name must end in {SUFFIXES}', option='output', value=path.name)
-    if path.suffix == '.parquet' and find_spec('pyarrow') is None:
-        raise OutputError(f'{OPTION}: Parquet needs pyarrow: run `make setup`, or choose .csv or .npz', option='output')
+    if path.suffix == '.parquet':
+        import_of_extra('pyarrow.parquet', 'Parquet', 'report')
     check_output(path, overwrite=overwrite)
 
 
@@ -43,7 +44,7 @@ def write_table(path: Path, columns: Columns) -> None:
 
     Raises
     ------
-    OutputError
+    OutputError, MissingPackageError
         As from `check_table_output`.
 
     """
@@ -62,10 +63,8 @@ def _write_npz(path: Path, columns: Columns) -> None:
 
 
 def _write_parquet(path: Path, columns: Columns) -> None:
-    import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415  # an extra
-    from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-
-    parquet.write_table(pa.table(dict(columns)), path)
+    table = import_of_extra('pyarrow', 'Parquet', 'report').table(dict(columns))
+    import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, path)
 
 
 _WRITERS = {'.csv': _write_csv, '.npz': _write_npz, '.parquet': _write_parquet}

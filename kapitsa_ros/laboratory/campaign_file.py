@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
-from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
+from kapitsa_ros.errors import OPTION, OutputError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import Outcome
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.units import RPM, in_rpm
@@ -148,11 +149,7 @@ def _outcome(row: dict[str, Any]) -> Outcome:
 
 
 def _parquet() -> Any:
-    try:
-        from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-    except ImportError as error:
-        raise MissingPackageError('Parquet needs pyarrow: pip install pyarrow, or "kapitsa_ros[report]"') from error
-    return parquet
+    return import_of_extra('pyarrow.parquet', 'Parquet', 'report')
 
 
 def read_campaign(path: Path) -> pa.Table:

@@ -6,6 +6,7 @@ from collections import deque
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import AHEAD
 from kapitsa_ros.laboratory.errors import ClusterError
 from kapitsa_ros.versions import versions
@@ -23,19 +24,18 @@ class DaskCluster:
 
     Raises
     ------
+    MissingPackageError
+        The `campaign` extra is not installed.
     ClusterError
-        The `campaign` extra is not installed, nobody answers at the address, there are no workers, or one of them has
+        Nobody answers at the address, there are no workers, or one of them has
         other versions than this program: its digits would not be those of the others.
 
     """
 
     def __init__(self, address: str) -> None:
+        distributed = import_of_extra('distributed', '--scheduler', 'campaign')
         try:
-            from distributed import Client  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-        except ImportError as error:
-            raise ClusterError('--scheduler needs Dask: install kapitsa_ros[campaign]') from error
-        try:
-            self._client = Client(address, timeout=_PATIENCE)
+            self._client = distributed.Client(address, timeout=_PATIENCE)
         except (OSError, ValueError) as error:
             raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
         self._address = address

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import shutil
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +11,8 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.typesys import Stores, get_typestore
 from scipy.io import netcdf_file
 
-from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
+from kapitsa_ros.errors import OPTION, OutputError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.network.registry import MOTION
 from kapitsa_ros.network.typestore import new_message, new_time, serialise
 from kapitsa_ros.output_file import check_output, replacing
@@ -61,8 +61,8 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *
     check_output(output, overwrite=overwrite)
     if kind == JOINT_STATES:
         return _write_joint_states(bag, output)
-    if kind == 'parquet' and find_spec('pyarrow') is None:
-        raise MissingPackageError('Parquet needs pyarrow: pip install pyarrow, or "kapitsa_ros[report]"')
+    if kind == 'parquet':
+        import_of_extra('pyarrow.parquet', 'Parquet', 'report')
     found, about = tables(bag, topics), described(bag)
     with replacing(output) as draft:
         return FORMATS[kind](draft, found, about)
@@ -85,11 +85,8 @@ def _write_csv(path: Path, found: tuple[Table, ...], about: Mapping[str, str]) -
 
 
 def _write_parquet(path: Path, found: tuple[Table, ...], about: Mapping[str, str]) -> int:
-    import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415  # an extra
-    from pyarrow import parquet  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
-
-    table = pa.table(joined(found))
-    parquet.write_table(table.replace_schema_metadata(dict(about)), path)
+    table = import_of_extra('pyarrow', 'Parquet', 'report').table(joined(found)).replace_schema_metadata(dict(about))
+    import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, path)
     return int(table.num_rows)
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
-from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.extras import import_of_extra
 
 if TYPE_CHECKING:
     from kapitsa_ros.instruments.settings import Instruments
@@ -55,19 +54,11 @@ def bench(
     folder = bags or _free_folder(table)
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
-        serve_bench = _from_extra('kapitsa_ros.web.session', 'web').serve_bench
+        serve_bench = import_of_extra('kapitsa_ros.web.session', 'the bench in a browser', 'web').serve_bench
         serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
     else:
-        _from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
-
-
-def _from_extra(module: str, extra: str) -> Any:
-    try:
-        return import_module(module)
-    except ModuleNotFoundError as error:
-        raise RigError(
-            f'the bench needs {error.name}: run `make setup`, or pip install "kapitsa_ros[{extra}]"'
-        ) from error
+        work_at_bench = import_of_extra('kapitsa_ros.bench.session', 'the bench', 'bench').work_at_bench
+        work_at_bench(plant, instruments, seed, rate, folder, book)
 
 
 def _free_folder(table: Path | None) -> Path:
