@@ -18,7 +18,7 @@ _NONE = Fraction(1)
 
 
 def dial_sigma(strobe: StrobeSettings) -> float:
-    """Return the standard error of a speed read off the dial and halved, rad/s: a drift not seen, and a graduation."""
+    """Return the standard uncertainty of a speed read off the dial and halved, rad/s: an unseen drift, a graduation."""
     return math.hypot(strobe.drift_limit / math.sqrt(3.0), 0.5 * strobe.dial_resolution / math.sqrt(12.0))
 
 

@@ -36,9 +36,9 @@ class Readings:
     period: NDArray[np.float64]
     """T of the slow swing, s."""
     forcing_sigma: NDArray[np.float64]
-    """Standard error of ω, rad/s."""
+    """Standard uncertainty of ω, rad/s."""
     period_sigma: NDArray[np.float64]
-    """Standard error of T, s."""
+    """Standard uncertainty of T, s."""
 
     def __post_init__(self) -> None:
         columns = (self.forcing, self.period, self.forcing_sigma, self.period_sigma)
@@ -48,7 +48,7 @@ class Readings:
         _refuse(~finite, 'a value is not finite: leave out runs that gave no reading')
         _refuse(self.forcing <= 0.0, 'the speed is zero or negative: leave out runs that gave no reading')
         _refuse(self.period <= 0.0, 'the period is zero or negative: leave out runs that gave no reading')
-        _refuse((self.forcing_sigma < 0.0) | (self.period_sigma < 0.0), 'a standard error is negative')
+        _refuse((self.forcing_sigma < 0.0) | (self.period_sigma < 0.0), 'a standard uncertainty is negative')
 
     @property
     def slow(self) -> NDArray[np.float64]:
@@ -79,7 +79,7 @@ def refuse_mixed_units(readings: Readings) -> Readings:
     )
     _refuse(
         readings.period_sigma > _LONGEST_PERIOD,
-        'a standard error of {:g} s: give that of a period in seconds',
+        'a standard uncertainty of {:g} s: give that of a period in seconds',
         readings.period_sigma,
     )
     return readings

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.analysis.plan import Separation
 
-_APART = 2.0  # standard errors; closer values are not distinguished
+_APART = 2.0  # standard uncertainties; closer values are not distinguished
 
 
 def plan_table(speeds: Sequence[float], swings: int, repeats: int) -> Table:

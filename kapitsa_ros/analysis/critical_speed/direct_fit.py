@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 
 _MOST_PASSES = 10  # of the swing's width, whose effect hangs weakly on the fit
-_SETTLED = 1e-3  # standard errors that the last pass may move the threshold
-_NO_ROD = 1e8  # standard errors
+_SETTLED = 1e-3  # standard uncertainties that the last pass may move the threshold
+_NO_ROD = 1e8  # standard uncertainties
 _HALVINGS = 16
-_MIDDLE_90 = 1.6449  # standard errors of a normal distribution
+_MIDDLE_90 = 1.6449  # standard uncertainties of a normal distribution
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,7 +246,7 @@ def direct_fit(
 
 
 def _sigma(found: OptimizeResult) -> float:
-    """Return the standard error of the threshold by the curvature at the minimum."""
+    """Return the standard uncertainty of the threshold by the curvature at the minimum."""
     scale = np.abs(found.jac).max(axis=0) + np.finfo(np.float64).tiny
     jacobian = found.jac / scale
     return float(np.sqrt(np.linalg.pinv(jacobian.T @ jacobian)[0, 0]) / scale[0])

@@ -25,7 +25,7 @@ class Bound:
     speed: float
     """ω, rad/s."""
     sigma: float
-    """Its standard error, rad/s."""
+    """Its standard uncertainty, rad/s."""
     release: float
     """θ at which the pendulum was let go, rad."""
 

@@ -31,7 +31,7 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
 
     What friction does to a period is of second order in the decay a radian, γ/Ω, and hangs on its law: viscous friction
     lengthens it by half of (γ/Ω)², Coulomb friction under dither by about all of it. As the law is not known, (γ/Ω)²
-    is taken for a standard error.
+    is taken for a standard uncertainty.
 
     Parameters
     ----------

@@ -84,7 +84,7 @@ class Likelihood:
         return np.hypot(threshold * (1.0 + 7.0 / 128.0 * q**2), damping)
 
     def sigma(self, threshold: Array, amplitude: Array, doubt: Array) -> Array:
-        """Return the standard error of each period, s, shape (M, N); an error of the speed counts by its effect."""
+        """Return the standard uncertainty of each period, s, shape (M, N); that of the speed counts by its effect."""
         timed = self.evidence.timed
         reach = (self.model.k(threshold, amplitude) * amplitude)[:, None]
         steepness = reach**2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω

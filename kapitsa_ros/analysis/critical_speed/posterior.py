@@ -195,10 +195,10 @@ def _sequence() -> tuple[Array, Array, Array]:
 class _Prior:
     """How rods are distributed before anything is timed.
 
-    A rod's coordinates are its amplitude as its swings show it, in standard errors from the ruler's word, and four
-    standard normal numbers that stand for play, damping, friction and the dial's error. A stopwatch that runs fast by r
-    makes all frequencies seem slower, as an amplitude that is smaller by r would at the same threshold; a dial that
-    reads d too much, as an amplitude smaller by d, and a threshold larger by d.
+    A rod's coordinates are its amplitude as its swings show it, in standard uncertainties from the ruler's word, and
+    four standard normal numbers that stand for play, damping, friction and the dial's error. A stopwatch that runs fast
+    by r makes all frequencies seem slower, as an amplitude that is smaller by r would at the same threshold; a dial
+    that reads d too much, as an amplitude smaller by d, and a threshold larger by d.
     """
 
     def __init__(self, ruler: Ruler, assumptions: Assumptions) -> None:

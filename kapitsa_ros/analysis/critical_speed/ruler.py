@@ -24,14 +24,14 @@ class Ruler:
     amplitude: float
     """λ, m."""
     sigma: float = RULER_SIGMA
-    """Standard error, m."""
+    """Standard uncertainty, m."""
 
 
 def ruler_of(run: Run) -> Ruler:
     """Return what the ruler said of the stroke in the experiment that a run belongs to.
 
-    It errs by its standard error, by the seed of the experiment. What the drivers of a real rig, who have no seed, say
-    of the stroke is a ruler's word already.
+    It errs by its standard uncertainty, by the seed of the experiment. What the drivers of a real rig, who have no
+    seed, say of the stroke is a ruler's word already.
 
     Raises
     ------

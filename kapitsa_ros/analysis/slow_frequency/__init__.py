@@ -1,4 +1,4 @@
-"""The frequency of the slow swing, from the motion or from a stopwatch, with its standard error."""
+"""The frequency of the slow swing, from the motion or from a stopwatch, with its standard uncertainty."""
 
 from __future__ import annotations
 

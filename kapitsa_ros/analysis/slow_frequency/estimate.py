@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class SlowEstimate:
-    """An estimate and its standard error."""
+    """An estimate and its standard uncertainty."""
 
     value: float
     """rad/s (of a stopwatch: s)."""
     sigma: float
-    """Standard error, same unit; nan where the record does not tell."""
+    """Standard uncertainty, same unit; nan where the record does not tell."""
     decay: float = math.nan
     """γ of an amplitude that goes as e^(−γt), 1/s; nan where it was not fitted."""
 

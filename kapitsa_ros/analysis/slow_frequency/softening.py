@@ -71,7 +71,7 @@ def of_small_swing(record: SwingRecord, value: float, sigma: float, softening: f
 
 
 def softening_error(slowing: float) -> float:
-    """Return the relative standard error of a frequency whose swing was slower than a small one by this share.
+    """Return the relative standard uncertainty of a frequency whose swing was slower than a small one by this share.
 
     The next order in A² is left out, and the amplitude is known to that order: up to a fifth of the slowing squared,
     for swings of 0.25 to 0.7 rad from 1.25 times the threshold on. The rod that the softening is of is known by the

@@ -33,7 +33,8 @@ def frequency_sweep(
 ) -> Figure:
     """Draw simulation, exact and averaged theory from 1000 to 3000 RPM, with measured pairs (ω, Ω) in rad/s.
 
-    Where `readings` are given, their standard errors are bars; where another plant is, its exact theory is drawn too.
+    Where `readings` are given, their standard uncertainties are bars; where another plant is, its exact theory is drawn
+    too.
     """
     figure = blank('Figure 6: slow frequency over forcing frequency')
     (axes,) = figure.axes
