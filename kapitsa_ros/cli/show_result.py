@@ -20,14 +20,14 @@ _ALLOWED = ('assumptions', 'play_probability', 'heavy_damping_probability', 'eff
 
 def show_result(values: Mapping[str, Any], plant: Plant, *, as_json: bool) -> None:
     """Print the runs of a plant and their reduction: one JSON object, or Tables 1 to 3 of the report."""
-    from kapitsa_ros.reporting.report_tables import repairs, report_tables  # noqa: PLC0415  # loads the analysis
+    from kapitsa_ros.reporting.report_tables import ends, repairs, report_tables  # noqa: PLC0415  # loads the analysis
 
     if as_json:
         print_json(values)
         return
     for table in report_tables(values, plant):
         show_table(table)
-    say([*repairs(values), *allowances(*(values[name] for name in _ALLOWED))])
+    say([*ends(values), *repairs(values), *allowances(*(values[name] for name in _ALLOWED))])
     if unverified := [run['bag'] for run in values['runs'] if run['digest_ok'] is None]:
         say([f'Unverified, as no digest is recorded with them: {", ".join(unverified)}.'])
     if 'budget' in values:

@@ -6,6 +6,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 Kind = Literal['timed', 'fell', 'stopped']
+UNTIMED: dict[Kind, str] = {
+    'fell': 'the rod fell over before its swings were timed',
+    'stopped': 'friction brought the rod to rest before its swings were timed',
+}
+"""What happened at a release without a timing."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from rich.table import Table
 
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.configuration.tables import load_table
+from kapitsa_ros.network.timing import UNTIMED
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows
@@ -97,6 +98,12 @@ def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
             )
         )
     return rows
+
+
+def ends(values: Mapping[str, Any]) -> list[str]:
+    """Return what the kinds of end without a timing mean, of those that there were."""
+    kinds = {timing['kind'] for timing in values['timings']}
+    return [f'{kind}: {meaning}' for kind, meaning in UNTIMED.items() if kind in kinds]
 
 
 def repairs(values: Mapping[str, Any]) -> list[str]:

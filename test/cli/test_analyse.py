@@ -23,6 +23,12 @@ def output(command, *arguments):
     return result.stdout
 
 
+def test_an_end_without_a_timing_is_explained_where_there_is_one():
+    said = 'stopped: friction brought the rod to rest before its swings were timed'
+    assert said in output(analyse, *BAGS)
+    assert said not in output(analyse, *BAGS[1:])
+
+
 def test_the_three_tables_stand_beside_1997():
     values = json.loads(output(analyse, *BAGS, '--json'))
     rows = [

@@ -22,7 +22,7 @@ from kapitsa_ros.reporting.allowances import allowances
 from kapitsa_ros.reporting.budget_table import HEADINGS, budget_rows, budget_sentences
 from kapitsa_ros.reporting.explanation import HEADINGS as CAUSE_HEADINGS
 from kapitsa_ros.reporting.explanation import error_sentences, explanation_rows
-from kapitsa_ros.reporting.report_tables import beside_1997, repairs
+from kapitsa_ros.reporting.report_tables import beside_1997, ends, repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
 from kapitsa_ros.units import INCH, RPM, decimals_within, interval_text, is_within
@@ -57,7 +57,7 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
         content=content,
         timings=timings,
         measurements=beside_1997([timing['run'] for timing in timings], content.of_1997.period.size),
-        repairs=[*_of_records(content), *repairs({'timings': timings})],
+        repairs=[*ends({'timings': timings}), *_of_records(content), *repairs({'timings': timings})],
         allowances=allowances(
             asdict(content.assumptions),
             curve.play_probability if curve else None,
