@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 
 _BLANK = ('', '', '')
+_SAME_SPEED = 0.02
 
 
 def report_tables(values: Mapping[str, Any], plant: Plant) -> list[Table]:
@@ -57,20 +58,27 @@ def _measurements(values: Mapping[str, Any]) -> Table:
         for omega, period in zip(readings.forcing, readings.period, strict=True)
     ]
     ours = _timings(values)
-    for row, of_1997 in beside_1997([row[0] for row in ours], len(report)):
+    asked = [row['speed_asked_rpm'] for row in values['timings']] or [
+        run['speed_reading_rpm'] for run in values['runs']
+    ]
+    for row, of_1997 in beside_1997(asked, [omega / RPM for omega in readings.forcing.tolist()]):
         run, *measured = ('', *_BLANK) if row is None else ours[row]
         table.add_row(run, *(_BLANK if of_1997 is None else report[of_1997]), *measured)
     return table
 
 
-def beside_1997(runs: Sequence[object], of_1997: int) -> list[tuple[int | None, int | None]]:
-    """Return the rows of Table 2: which of ours, by their runs, stands beside which of 1997.
+def beside_1997(speeds: Sequence[float | None], of_1997: Sequence[float]) -> list[tuple[int | None, int | None]]:
+    """Return the rows of Table 2: which of ours, by their speeds, stands beside which of 1997, in any one unit.
 
-    Beside a run of 1997 stands the last timing of a run of ours; None where there is none.
+    Beside a speed of 1997 stands the last of ours at that speed, to one part in 50. Those of 1997 that nobody went
+    back to follow at the end.
     """
-    theirs = iter(range(of_1997))
-    rows = [(row, next(theirs, None) if run not in runs[row + 1 :] else None) for row, run in enumerate(runs)]
-    return [*rows, *((None, row) for row in theirs)]
+    theirs: dict[int, int] = {}
+    for index, speed in enumerate(of_1997):
+        same = [row for row, ours in enumerate(speeds) if ours is not None and abs(ours / speed - 1.0) < _SAME_SPEED]
+        theirs |= dict.fromkeys(same[-1:], index)
+    rows: list[tuple[int | None, int | None]] = [(row, theirs.get(row)) for row in range(len(speeds))]
+    return [*rows, *((None, index) for index in range(len(of_1997)) if index not in theirs.values())]
 
 
 def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:

@@ -23,6 +23,18 @@ def output(command, *arguments):
     return result.stdout
 
 
+@pytest.mark.parametrize('options', [(), ('--motion',)])
+def test_readings_of_1997_stand_beside_the_run_at_their_speed(options):
+    rows = [
+        [cell.strip() for cell in line.strip('│').split('│')]
+        for line in output(analyse, BAGS[1], *options).splitlines()
+        if line.startswith('│')
+    ]
+    of_1997 = [['2640', '0.75', '80'], ['2240', '1.00', '60'], ['2780', '0.68', '88']]
+    assert [row[1:4] for row in rows[3:6]] == of_1997
+    assert [row[4] for row in rows[3:6]] == ['2640.0', '', '']
+
+
 def test_an_end_without_a_timing_is_explained_where_there_is_one():
     said = 'stopped: friction brought the rod to rest before its swings were timed'
     assert said in output(analyse, *BAGS)

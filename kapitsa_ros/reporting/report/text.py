@@ -56,7 +56,9 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     text = template.render(
         content=content,
         timings=timings,
-        measurements=beside_1997([timing['run'] for timing in timings], content.of_1997.period.size),
+        measurements=beside_1997(
+            [timing['speed_asked_rpm'] for timing in timings], (content.of_1997.forcing / RPM).tolist()
+        ),
         repairs=[*ends({'timings': timings}), *_of_records(content), *repairs({'timings': timings})],
         allowances=allowances(
             asdict(content.assumptions),
