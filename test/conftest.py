@@ -18,10 +18,16 @@ from typing import Any
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))  # for command_server.py
+
+from command_server import CommandServer
+
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.ros.session_monitor import SessionMonitor
+
+PATIENCE = 120.0
 
 
 @pytest.fixture(scope='session', autouse=True)
@@ -52,20 +58,31 @@ class Answer:
 
 
 @pytest.fixture(scope='session')
-def kapitsa() -> Callable[..., Answer]:
-    """Run `kapitsa` with arguments."""
+def command_server(signals_heard: None) -> Iterator[CommandServer]:  # noqa: ARG001  # signals are inherited
+    server = CommandServer()
+    yield server
+    server.close()
+
+
+@pytest.fixture(scope='session')
+def kapitsa(command_server: CommandServer) -> Callable[..., Answer]:
+    """Run `kapitsa` with arguments; in a new interpreter where the environment holds what only its start reads."""
 
     def run(*arguments: object, env: dict[str, str] | None = None) -> Answer:
-        command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments)]
-        done = subprocess.run(
-            command,
-            env=os.environ | (env or {}),
-            capture_output=True,
-            encoding=(env or {}).get('PYTHONIOENCODING', 'utf-8'),
-            timeout=120,
-            check=False,
-        )
-        return Answer(done.returncode, done.stdout, done.stderr)
+        given, encoding = env or {}, (env or {}).get('PYTHONIOENCODING', 'utf-8')
+        with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
+            if any(name.startswith('PYTHON') for name in given):
+                command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments)]
+                done = subprocess.run(
+                    command, env=os.environ | given, stdout=out, stderr=err, timeout=PATIENCE, check=False
+                )
+                status = done.returncode
+            else:
+                status = command_server.run([*map(str, arguments)], os.environ | given, out, err, PATIENCE)
+            for file in (out, err):
+                file.seek(0)
+            said = [file.read().decode(encoding).replace('\r\n', '\n') for file in (out, err)]
+        return Answer(status, *said)
 
     return run
 

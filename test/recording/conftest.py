@@ -1,4 +1,4 @@
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent))  # for truth.py and laboratory.py, which several tests share
+sys.path.insert(0, str(Path(__file__).parent))  # for mutations.py and bag_of_a_made_up_run.py
