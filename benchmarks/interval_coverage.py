@@ -1,8 +1,8 @@
 """How often 95 % intervals hold the truth, for rods and mistakes of many kinds, and how wide they are.
 
 For each kind of experiment: the share of intervals that hold the exact threshold of the plant, the two-sided 99 % range
-of that share (Clopper and Pearson), the median width, the same for a fit that is told which effects are there but not
-how large they are, and the share of intervals that are unbounded.
+of that share (Clopper and Pearson), the median width, that over the width of a fit that is told which effects are there
+but not how large they are, the share of its intervals that hold, and the share of intervals that are unbounded.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from scipy.special import betaincinv
 
 from kapitsa_ros.analysis.critical_speed import fit_timings, ruler_of
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
@@ -49,9 +49,10 @@ NONE = {
 class Kind:
     """A kind of experiment."""
 
-    plant: Plant
     speeds: tuple[float, ...]
     """RPM."""
+    plant: Plant | None = None
+    """None: each experiment has a rod of its own, drawn from what the interval assumes of rods."""
     sweep: bool = False
     miscount: float = 0.0
     rate_u: float = 0.0
@@ -66,6 +67,8 @@ class Kind:
 class Result:
     """What an experiment gave."""
 
+    truth: float
+    """Exact threshold of the rod, rad/s."""
     interval: tuple[float | None, float | None]
     told_interval: tuple[float | None, float | None]
 
@@ -93,8 +96,28 @@ def kinds() -> dict[str, Kind]:
         named[f'miscount in 10 %, {number} speeds'] = Kind(
             plant=rod, speeds=SPEEDS[number], miscount=0.1, told={'miscount_probability': 0.1}
         )
+        named[f'rods drawn from the priors, {number} speeds'] = Kind(
+            speeds=SPEEDS[number],
+            miscount=DEFAULT_ASSUMPTIONS.miscount_probability,
+            told={name: getattr(DEFAULT_ASSUMPTIONS, name) for name in NONE},
+        )
         named[f'stopwatch of u = 2 %, {number} speeds'] = Kind(plant=rod, speeds=SPEEDS[number], rate_u=0.02)
     return named
+
+
+def drawn_rod(seed: int) -> Plant:
+    """Return a rod as `DEFAULT_ASSUMPTIONS` has them, with an inertia factor from 0.6 to 1."""
+    rng, assumed = np.random.default_rng([seed, 78]), DEFAULT_ASSUMPTIONS
+    heavy, played, sticks = rng.random(3) < (
+        assumed.heavy_damping_probability, assumed.play_probability, assumed.coulomb_probability
+    )  # fmt: skip
+    light, share, play = abs(rng.standard_normal()), *rng.random(2)
+    return Plant(
+        inertia_factor=float(rng.uniform(0.6, 1.0)),
+        damping=float(assumed.heavy_damping_limit * share if heavy else assumed.light_damping * light),
+        clearance=float(assumed.play_limit * play if played else 0.0),
+        coulomb=float(assumed.coulomb_scale * abs(rng.standard_cauchy()) if sticks else 0.0),
+    )
 
 
 def perform(kind: Kind, seed: int) -> Result | None:
@@ -103,16 +126,19 @@ def perform(kind: Kind, seed: int) -> Result | None:
         'miscount_probability': kind.miscount,
         'rate_error': kind.rate_u * float(np.random.default_rng([seed, 77]).standard_normal()),
     }
+    plant = kind.plant or drawn_rod(seed)
     protocol = replace(load_protocol('1997'), speeds=tuple(speed * RPM for speed in kind.speeds), sweep=kind.sweep)
     runs = SimulatedExperiment(
-        plant=kind.plant, instruments=load_instruments('1997', overrides), protocol=protocol, seed=seed
+        plant=plant, instruments=load_instruments('1997', overrides), protocol=protocol, seed=seed
     ).runs()
     if kind.fooled and all(row.alias is None for row in timing_rows(runs)):
         return None
     stated = Assumptions(stopwatch_rate_u=kind.rate_u)
-    blind = _interval(runs, kind.plant.gravity, stated)
-    told = _interval(runs, kind.plant.gravity, replace(stated, **(NONE | dict(kind.told))))
-    return None if blind is None or told is None else Result(interval=blind, told_interval=told)
+    blind = _interval(runs, plant.gravity, stated)
+    told = _interval(runs, plant.gravity, replace(stated, **(NONE | dict(kind.told))))
+    if blind is None or told is None:
+        return None
+    return Result(truth=omega_crit_with_play(plant), interval=blind, told_interval=told)
 
 
 def _interval(runs: list[Run], gravity: float, assumptions: Assumptions) -> tuple[float | None, float | None] | None:
@@ -120,11 +146,12 @@ def _interval(runs: list[Run], gravity: float, assumptions: Assumptions) -> tupl
     return None if best is None else best.interval
 
 
-def summary(results: Iterable[Result], truth: float) -> str:
+def summary(results: Iterable[Result]) -> str:
     """Return one line of the table."""
     every = list(results)
     number = len(every)
-    held = sum(is_within(truth, each.interval) for each in every)
+    held = sum(is_within(each.truth, each.interval) for each in every)
+    told_held = sum(is_within(each.truth, each.told_interval) for each in every)
     low = 0.0 if held == 0 else float(betaincinv(held, number - held + 1, 0.005))
     high = 1.0 if held == number else float(betaincinv(held + 1, number - held, 0.995))
     width, told = (_median_width([getattr(each, name) for each in every]) for name in ('interval', 'told_interval'))
@@ -132,7 +159,7 @@ def summary(results: Iterable[Result], truth: float) -> str:
     good = low <= EXPECTED[1] and high >= EXPECTED[0]
     return (
         f'{number:5} {100 * held / number:6.1f} {100 * low:6.1f} {100 * high:5.1f} {"yes" if good else "NO":>4} '
-        f'{width:8.1f} {width / told:6.2f} {100 * unbounded:6.1f}'
+        f'{width:8.1f} {width / told:6.2f} {100 * told_held / number:6.1f} {100 * unbounded:6.1f}'
     )
 
 
@@ -147,7 +174,8 @@ def main() -> None:
     parser.add_argument('--processes', type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument('--only', default='', help='kinds whose name holds this')
     options = parser.parse_args()
-    print(f'{"":34} {"n":>5} {"held %":>6} {"from":>6} {"to":>5} {"good":>4} {"RPM":>8} {"told":>6} {"open %":>6}')
+    print(f'{"":36} {"n":>5} {"held %":>6} {"from":>6} {"to":>5} {"good":>4} {"RPM":>8} ', end='')
+    print(f'{"told":>6} {"held":>6} {"open %":>6}')
     with ProcessPoolExecutor(options.processes) as pool:
         for name, kind in kinds().items():
             if options.only not in name:
@@ -158,7 +186,7 @@ def main() -> None:
                 seeds = range(seed, seed + 4 * options.processes)
                 found += [each for each in pool.map(partial(perform, kind), seeds, chunksize=2) if each is not None]
                 seed = seeds.stop
-            print(f'{name:34} {summary(found[: options.experiments], omega_crit_with_play(kind.plant))}', flush=True)
+            print(f'{name:36} {summary(found[: options.experiments])}', flush=True)
 
 
 if __name__ == '__main__':
