@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
+from kapitsa_ros.cli.options import SEED, composed_option, instrument_options, plant_options, real_time_option
 from kapitsa_ros.rig.errors import RigError
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     '--table', type=click.Path(path_type=Path), help='CSV file for your readings  [default: named like the folder]'
 )
 @real_time_option
+@composed_option
 @click.option('--web', is_flag=True, help='in a browser: prints the link, and serves until Ctrl-C')
 @click.option('--host', default='127.0.0.1', show_default=True, help='of --web: address that is listened on')
 @click.option(
@@ -42,6 +43,7 @@ def bench(
     bags: Path | None,
     table: Path | None,
     rate: float,
+    composed: bool,
     web: bool,
     host: str,
     port: int | None,
@@ -56,9 +58,11 @@ def bench(
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
         serve_bench = _from_extra('kapitsa_ros.web.session', 'web').serve_bench
-        serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
+        of_page = {'host': host, 'port': port, 'open_page': open_page}
+        serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
     else:
-        _from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
+        work_at_bench = _from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench
+        work_at_bench(plant, instruments, seed, rate, folder, book, composed=composed)
 
 
 def _from_extra(module: str, extra: str) -> Any:
