@@ -78,9 +78,10 @@ class Composition:
         self._executor = EventsExecutor()
         for node in self._nodes:
             self._executor.add_node(node)
+        is_ok = self._nodes[0].context.ok
         try:
             # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
-            while not self._loop.is_over and rclpy.ok() and parent in (None, os.getppid()):
+            while not self._loop.is_over and is_ok() and parent in (None, os.getppid()):
                 self._executor.spin_once(timeout_sec=self._loop.poll())
         finally:
             self._loop.close()
