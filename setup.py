@@ -28,12 +28,12 @@ def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
 
 
 def node_scripts() -> list[str]:
-    """Write an executable a node, all alike but for their name: it says which node is to be started."""
+    """Write an executable a node, and one for several in a process: their name says which of them is to be started."""
     folder = Path('build', 'node_scripts')
     folder.mkdir(parents=True, exist_ok=True)
     scripts = []
-    for module in sorted(Path(NAME, 'nodes').glob('[!_]*.py')):
-        script = folder / module.stem
+    for name in sorted(['composed', *(module.stem for module in Path(NAME, 'nodes').glob('[!_]*.py'))]):
+        script = folder / name
         shutil.copyfile(Path(SOURCE, 'resource', 'node_script'), script)
         script.chmod(0o755)
         scripts.append(str(script))

@@ -8,7 +8,7 @@ from launch_ros.actions import Node
 
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, node_options, replay_from
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, executables, node_options, replay_from
 from kapitsa_ros.rig.setup import REPLAY_NAMES
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -23,6 +23,7 @@ ARGUMENTS = {
     'viewer': ('none', 'what shows the runs, if its package is installed', list(VIEWERS)),
     'namespace': NODE_ARGUMENTS['namespace'],
     'log_level': NODE_ARGUMENTS['log_level'],
+    'composed': NODE_ARGUMENTS['composed'],
 }
 
 
@@ -31,8 +32,8 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     values = replay_from(arguments)
     started: list[LaunchDescriptionEntity] = [
-        Node(package='kapitsa_ros', executable=role, name=role, **node_options(arguments, context, values))
-        for role in REPLAY_NAMES
+        Node(package='kapitsa_ros', **given)
+        for given in executables(REPLAY_NAMES, arguments, node_options(arguments, context, values))
     ]
     if arguments['viewer'] != 'none':
         plant = runs_of([Path(values['bags'][0])])[0].run.plant

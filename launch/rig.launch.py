@@ -7,7 +7,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, PLANT_ARGUMENTS, node_options, rig_from
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, PLANT_ARGUMENTS, executables, node_options, rig_from
 from kapitsa_ros.rig.setup import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -25,6 +25,7 @@ ARGUMENTS = {
     'params_file': ('', 'parameters of nodes that go before all others', None),
     'namespace': NODE_ARGUMENTS['namespace'],
     'log_level': NODE_ARGUMENTS['log_level'],
+    'composed': NODE_ARGUMENTS['composed'],
 }
 OF_PLANT = {name: ('', f'{meaning}; of the preset where not given', None) for name, meaning in PLANT_ARGUMENTS.items()}
 
@@ -45,7 +46,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     )
     return [
         viewer,
-        *(Node(package='kapitsa_ros', executable=role, name=role, **options) for role in setup.roles),
+        *(Node(package='kapitsa_ros', **given) for given in executables(setup.roles, arguments, options)),
     ]
 
 

@@ -15,7 +15,7 @@ from ament_index_python.packages import get_package_prefix, get_packages_with_pr
 
 from kapitsa_ros.rig.environment import loopback
 
-ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player'}
+ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player', 'composed'}
 CHECKOUT = Path(__file__).parents[1]
 
 pytestmark = pytest.mark.xdist_group('install')  # its nodes share a domain, and would take each other for doubles

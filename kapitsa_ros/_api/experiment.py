@@ -82,6 +82,7 @@ def experiment(
     bags: str | Path = 'runs',
     rate: float = 0.0,
     storage: str = 'mcap',
+    composed: bool = False,
     assumptions: AnyAssumptions = None,
     on_progress: Callable[[dict[str, str]], None] | None = None,
 ) -> ExperimentResult:
@@ -105,6 +106,8 @@ def experiment(
         Simulated over wall seconds; 0: as fast as it can.
     storage
         Of the bags: mcap or sqlite3.
+    composed
+        Whether the nodes share one process; the bags are the same.
     assumptions
         What the analysis takes for granted: `Assumptions`, or those that are not the usual ones by their names.
     on_progress
@@ -137,6 +140,7 @@ def experiment(
         rate=rate,
         bags=Path(bags),
         storage=storage,
+        composed=composed,
     )
     values = run_experiment(setup, on_progress or (lambda _: None), as_assumptions(assumptions))
     runs = values['runs']

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def work_at_bench(  # noqa: PLR0917  # the command's options
-    plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path
+    plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path, *, composed: bool = False
 ) -> None:
     """Start a rig, let a person work it until they leave, and say where things are.
 
@@ -39,7 +39,7 @@ def work_at_bench(  # noqa: PLR0917  # the command's options
     state = BenchState(plant, instruments, table, rate)
     require_terminal()
     make_writable(bags)
-    with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL) as rig, own_terminal():
+    with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL, composed=composed) as rig, own_terminal():
         screen = BenchApp(rig, state, f'kapitsa bench · instruments {instruments.name}')
         error = screen.run(mouse=False)
     if error is not None:

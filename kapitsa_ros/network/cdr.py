@@ -8,6 +8,7 @@ The layout is little-endian CDR, as rclpy publishes it; the tests compare the tw
 from __future__ import annotations
 
 import struct
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -46,8 +47,10 @@ _POINT = np.dtype(
         'itemsize': 56,
     }
 )
-_VALUES = (0, 2, 4)
+_WORDS = _POINT.itemsize // 8
+_VALUES = range(0, 5, 2)
 """Which eight bytes of a point are position, rate and acceleration."""
+_VALUE_COLUMNS = slice(_VALUES.start, _VALUES.stop, _VALUES.step)
 
 
 class Block(NamedTuple):
@@ -95,9 +98,15 @@ def read_step_id(raw: bytes) -> StepId:
     """
     try:
         (length,) = _LENGTH.unpack_from(raw, NUMBER_LENGTH_AT)
-        return StepId.parse(raw[_STEP_ID_AT : _STEP_ID_AT + length - 1].decode())
+        return _step_id(raw[_STEP_ID_AT : _STEP_ID_AT + length - 1])
     except (struct.error, ValueError) as error:
         raise WireError(f'not a numbered message: {error}') from error
+
+
+@lru_cache(maxsize=64)
+def _step_id(text: bytes) -> StepId:
+    """Return the number that a text says; all messages of a step have the same."""
+    return StepId.parse(text.decode())
 
 
 def stamp_of(raw: bytes) -> int:
@@ -132,6 +141,25 @@ def header_size(raw: bytes) -> int:
     return int(_STEP_ID_AT + length)
 
 
+def body_of(raw: bytes) -> tuple[int, bytes]:
+    """Return what follows the header, and the place in a word of eight bytes at which it begins.
+
+    Raises
+    ------
+    WireError
+        The bytes are too short.
+
+    """
+    begin = header_size(raw)
+    return begin % 8, raw[begin:]
+
+
+def with_empty_header(place: int, body: bytes) -> bytes:
+    """Return a message with what `body_of` has found, and a header that says nothing."""
+    length = 1 + (place - _STEP_ID_AT - 1) % 8
+    return _ENCAPSULATION + bytes(_STAMP.size) + _LENGTH.pack(length) + bytes(length) + body
+
+
 def encode_block(stamp_ns: int, step_id: StepId, block: Block) -> bytes:
     """Encode a motion block as trajectory_msgs/JointTrajectory of one joint."""
     head = encode_header(stamp_ns, step_id)
@@ -139,13 +167,21 @@ def encode_block(stamp_ns: int, step_id: StepId, block: Block) -> bytes:
     head += bytes(aligned(len(head), 4)) + _LENGTH.pack(1) + _LENGTH.pack(len(joint)) + joint
     head += bytes(aligned(len(head), 4)) + _LENGTH.pack(len(block.position)) + _LENGTH.pack(1)
     head += bytes(aligned(len(head) - len(_ENCAPSULATION), 8))
-    points = np.zeros(len(block.position), _POINT)
-    points['position'] = block.position
-    points['rate'] = block.rate
-    points['acceleration'] = block.acceleration
+    points = bytearray(_points_at_rest(block.times_ns.tobytes()))
+    words = np.frombuffer(points, '<f8').reshape(-1, _WORDS)
+    for word, values in zip(_VALUES, (block.position, block.rate, block.acceleration), strict=True):
+        words[:, word] = values
+    return head + bytes(points[: -_LENGTH.size])
+
+
+@lru_cache(maxsize=8)
+def _points_at_rest(times_ns: bytes) -> bytes:
+    """Return the points of a block at these times with all values 0: the rest is the same in each."""
+    times = np.frombuffer(times_ns, np.int64)
+    points = np.zeros(times.size, _POINT)
     points['n_rate'] = points['n_acceleration'] = points['n_next'] = 1
-    points['sec'], points['nanosec'] = np.divmod(block.times_ns, SECOND)
-    return head + points.tobytes()[: -_LENGTH.size]
+    points['sec'], points['nanosec'] = np.divmod(times, SECOND)
+    return points.tobytes()
 
 
 def decode_block(raw: bytes) -> Block | None:
@@ -153,7 +189,17 @@ def decode_block(raw: bytes) -> Block | None:
     if (layout := _block_layout(raw)) is None:
         return None
     joint, at, count = layout
-    points = np.frombuffer(raw + bytes(_LENGTH.size), _POINT, count, at)
+    words = np.frombuffer(raw + bytes(_LENGTH.size), '<u8', count * _WORDS, at).reshape(count, _WORDS)
+    rest = words.copy()
+    rest[:, _VALUE_COLUMNS] = 0
+    times = _times(rest.tobytes())
+    return None if times is None else Block(joint, times, *words[:, _VALUE_COLUMNS].T.copy().view('<f8'))
+
+
+@lru_cache(maxsize=8)
+def _times(rest: bytes) -> NDArray[np.int64] | None:
+    """Return the times of a block, ns, from the bytes of its points with all values 0; None where it has others."""
+    points = np.frombuffer(rest, _POINT)
     lengths_fit = (
         (points['n_rate'] == 1).all()
         and (points['n_acceleration'] == 1).all()
@@ -162,8 +208,9 @@ def decode_block(raw: bytes) -> Block | None:
     )
     if not lengths_fit:
         return None
-    times = points['sec'] * np.int64(SECOND) + points['nanosec']
-    return Block(joint, times, *(np.array(points[name]) for name in ('position', 'rate', 'acceleration')))
+    times: NDArray[np.int64] = points['sec'] * np.int64(SECOND) + points['nanosec']
+    times.flags.writeable = False
+    return times
 
 
 def decode_blocks(rows: NDArray[np.uint8]) -> Blocks | None:
@@ -180,14 +227,14 @@ def decode_blocks(rows: NDArray[np.uint8]) -> Blocks | None:
     if block is None or layout is None:
         return None
     _, at, count = layout
-    stamp, words = len(_ENCAPSULATION), _POINT.itemsize // 8
+    stamp = len(_ENCAPSULATION)
     points = rows[:, at : at + count * _POINT.itemsize - 8].copy().view('<u8')  # aligned, which is faster
     # All but stamp, number and values has to be the same; the last eight bytes are half a time and half a length.
-    lengths = (points[:, word::words] for word in range(words) if word not in _VALUES)
+    lengths = (points[:, word::_WORDS] for word in range(_WORDS) if word not in _VALUES)
     same = (rows[:, :stamp], rows[:, NUMBER_LENGTH_AT:_STEP_ID_AT], rows[:, header_size(first) : at])
     if any((part != part[0]).any() for part in (*same, *lengths, rows[:, -_LENGTH.size :])):
         return None
-    position, rate, acceleration = (points[:, word::words].view('<f8') for word in _VALUES)
+    position, rate, acceleration = (points[:, word::_WORDS].view('<f8') for word in _VALUES)
     if not np.isfinite(acceleration).all():
         return None
     stamps = rows[:, stamp : stamp + _STAMP.size].copy().view(_STAMPS)[:, 0]

@@ -1,4 +1,4 @@
-"""`python -m kapitsa_ros.nodes ROLE [--ros-args ...]`: one node as a process."""
+"""`python -m kapitsa_ros.nodes ROLE [--ros-args ...]`: one node as a process; or several, as `composed ROLE ...`."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 
 def run_node(arguments: list[str]) -> int:
-    """Run the node named first, in a process that ends with it; what follows are ROS arguments.
+    """Run what is named first, in a process that ends with it: a role, or `composed` and several; then ROS arguments.
 
     Returns
     -------
@@ -46,25 +46,36 @@ def run_node(arguments: list[str]) -> int:
     """
     # Not above: the imports take half a second, in which signals are heard already.
     from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
-    from kapitsa_ros.network.registry import NODE_NAMES  # noqa: PLC0415
-    from kapitsa_ros.ros.arguments import beside_ros  # noqa: PLC0415
-    from kapitsa_ros.ros.help_text import help_text  # noqa: PLC0415
-    from kapitsa_ros.ros.main import run  # noqa: PLC0415
+    from kapitsa_ros.network.registry import NODE_NAMES, ROLE_NAMES  # noqa: PLC0415
+    from kapitsa_ros.ros.arguments import COMPOSED, beside_ros, without_roles  # noqa: PLC0415
+    from kapitsa_ros.ros.help_text import composed_help_text, help_text  # noqa: PLC0415
+    from kapitsa_ros.ros.main import run_composed  # noqa: PLC0415
 
-    if not arguments or arguments[0] not in NODE_NAMES:
-        given = repr(arguments[0]) if arguments else 'none'
-        print(f'kapitsa: error: node {given} is unknown: choose one of {", ".join(NODE_NAMES)}', file=sys.stderr)
+    name = arguments[0] if arguments else None
+    roles: tuple[str, ...] = (name,) if name else ()
+    if name == COMPOSED:
+        arguments, named = without_roles(arguments)
+        roles = named or ROLE_NAMES
+    unknown = [role for role in roles if role not in NODE_NAMES]
+    if unknown or not roles:
+        given = repr(unknown[0]) if unknown else 'none'
+        choice = ', '.join((*NODE_NAMES, COMPOSED))
+        print(f'kapitsa: error: node {given} is unknown: choose one of {choice}', file=sys.stderr)
         return WRONG_INPUT
-    role = arguments[0]
-    module = import_module(f'kapitsa_ros.nodes.{role}')
+    modules = {role: import_module(f'kapitsa_ros.nodes.{role}') for role in roles}
     if {'-h', '--help'} & set(beside_ros(arguments)):
         try:
-            print(help_text(role, str(module.__doc__), module.create))
+            text = (
+                composed_help_text(NODE_NAMES)
+                if name == COMPOSED
+                else help_text(roles[0], str(modules[roles[0]].__doc__), modules[roles[0]].create)
+            )
         except KapitsaError as error:
-            print(f'{role}: error: {error}', file=sys.stderr)
+            print(f'{name}: error: {error}', file=sys.stderr)
             return error.exit_status
+        print(text)
         return 0
-    return run(arguments, module.create)
+    return run_composed(arguments, {role: module.create for role, module in modules.items()})
 
 
 def _exit(status: int) -> NoReturn:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -98,8 +99,7 @@ class Jigsaw:
         phi = self.phi + time * (self._speed + 0.5 * angular_acceleration * time)
         samples = self._stroke(phi, self._speed + angular_acceleration * time, angular_acceleration, duration / count)
 
-        travel = (Fraction(self._speed) + Fraction(final)) / 2 * Fraction(duration)
-        self._turn = (self._turn + round(travel / TWO_PI * TURN)) % TURN
+        self._turn = (self._turn + _turns(self._speed, final, duration)) % TURN
         self._speed = final
         return samples
 
@@ -118,6 +118,13 @@ class Jigsaw:
             rate=self._amplitude * slope * speed,
             acceleration=self._amplitude * (curvature * speed**2 + slope * angular_acceleration),
         )
+
+
+@lru_cache(maxsize=16)
+def _turns(first: float, final: float, duration: float) -> int:
+    """Return the 2⁻¹²⁸ turns that a shaft makes while its speed goes from one value to another; mostly it is steady."""
+    travel = (Fraction(first) + Fraction(final)) / 2 * Fraction(duration)
+    return round(travel / TWO_PI * TURN)
 
 
 def crank(

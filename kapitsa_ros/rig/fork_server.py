@@ -151,9 +151,10 @@ def _become_node(files: list[int], parent: int) -> int:
     os.closerange(3, parameters)
     os.closerange(parameters + 1, os.sysconf('SC_OPEN_MAX'))
     ros = [*NO_LOG_FILES, '--params-file', f'/proc/self/fd/{parameters}']
-    arguments = [asked['role'], PARENT_OPTION, str(parent), *ros]
+    name, *roles = asked['nodes']
+    arguments = [name, PARENT_OPTION, str(parent), *roles, *ros]
     setproctitle.setproctitle(' '.join([sys.executable, '-m', 'kapitsa_ros.nodes', *arguments]))
-    setproctitle.setthreadtitle(asked['role'])  # for `top` and `pkill`
+    setproctitle.setthreadtitle(name)  # for `top` and `pkill`
     os.environ.clear()
     os.environ.update(asked['environment'])
     return run_node(arguments)

@@ -22,7 +22,7 @@ from kapitsa_ros.rig.fork_server import MODULE, START, forking, preload, serve_f
 from kapitsa_ros.rig.forked_process import ForkedProcess
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
 
 class _Process(Protocol):
@@ -88,13 +88,13 @@ class ForkServerProcess:
         """Whether it was ended by somebody else, and its nodes with it."""
         return self._process.poll() is not None
 
-    def start(self, role: str, parameters: int, stderr: int, domain: int) -> ForkedProcess:
-        """Start a node.
+    def start(self, nodes: Sequence[str], parameters: int, stderr: int, domain: int) -> ForkedProcess:
+        """Start a process of nodes.
 
         Parameters
         ----------
-        role
-            Executable and name of the node.
+        nodes
+            A role; or `composed`, and several.
         parameters, stderr
             File descriptors of its parameters, and of the pipe it writes to.
         domain
@@ -109,14 +109,16 @@ class ForkServerProcess:
         ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with ExitStack() as failed_start:
             failed_start.enter_context(ours)
-            request = {'role': role, 'environment': node_environment(domain)}
+            request = {'nodes': list(nodes), 'environment': node_environment(domain)}
             try:
                 with theirs, file_in_memory(json.dumps(request)) as file:
                     socket.send_fds(self._requests, [START], [file.fileno(), parameters, stderr, theirs.fileno()])
                 started = ForkedProcess(ours)
             except (BrokenPipeError, ConnectionResetError, EOFError):
                 how = 'has ended' if self.has_ended() else 'has no process or file descriptor left'
-                raise RigError(f'{role} cannot be started: what it is forked from, process {self.pid}, {how}') from None
+                raise RigError(
+                    f'{nodes[0]} cannot be started: what it is forked from, process {self.pid}, {how}'
+                ) from None
             failed_start.pop_all()
         return started
 

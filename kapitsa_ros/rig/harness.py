@@ -43,7 +43,7 @@ _LOOK_PERIOD = 0.1
 
 
 class Rig:
-    """All nodes of the laboratory as processes, in a domain of their own. A context: on leaving it, none is left.
+    """All nodes of the laboratory, in a domain and processes of their own. A context: on leaving it, none is left.
 
     Several rigs may run in one process at the same time.
 
@@ -65,6 +65,8 @@ class Rig:
         Folder for the recorded runs; None: a temporary one, which goes with the rig.
     protocol
         `manual`, or what the operator is to carry out.
+    composed
+        Whether the nodes share one process, which takes less of the machine; its end is that of all.
 
     Raises
     ------
@@ -86,13 +88,14 @@ class Rig:
         *,
         bags: str | Path | None = None,
         protocol: str | Path = MANUAL,
+        composed: bool = False,
     ) -> None:
         self._roles = ROLE_NAMES if nodes is None else tuple(nodes)
         if unknown := set(self._roles) - set(ROLE_NAMES):
             raise UsageError(f'nodes: {", ".join(sorted(unknown))} unknown: choose from {", ".join(ROLE_NAMES)}')
         self._preset, self._instruments, self._protocol = preset, instruments, str(protocol)
         self._seed, self._rate, self._requested_domain = seed, rate, domain
-        self._given_bags = bags
+        self._given_bags, self._composed = bags, composed
         self._stack = ExitStack()
         self.domain: int
         """ROS domain, for nodes that are to join."""
@@ -123,7 +126,9 @@ class Rig:
                 client = RigClient(self.domain)
             self._client = stack.enter_context(client)
             expected = [*values['expect'], CLIENT.name]
-            self._nodes = stack.enter_context(NodeGroup(self._roles, values | {'expect': expected}, self.domain))
+            self._nodes = stack.enter_context(
+                NodeGroup(self._roles, values | {'expect': expected}, self.domain, composed=self._composed)
+            )
             self._stack = stack.pop_all()
         return self
 
@@ -135,7 +140,7 @@ class Rig:
 
     @property
     def processes(self) -> dict[str, NodeProcess]:
-        """The nodes' processes by role; those that are somebody else's are not among them."""
+        """The nodes' processes by role, composed the same for each; those that are somebody else's are not there."""
         return {role: self._nodes[role] for role in self._roles}
 
     def request_speed(self, rpm: AnyQuantity) -> None:

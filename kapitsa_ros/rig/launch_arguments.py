@@ -20,17 +20,18 @@ from kapitsa_ros.recording.storage.bag_files import is_bag
 from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
 from kapitsa_ros.rig.setup import Replay, Setup, replay_parameters
-from kapitsa_ros.ros.arguments import PARENT_OPTION
+from kapitsa_ros.ros.arguments import COMPOSED, PARENT_OPTION
 from kapitsa_ros.schema import describe, description_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
 
 PLANT_ARGUMENTS = {item.name: description_of(item) for item in describe(Plant)}
 """Launch arguments that stand for a parameter of the plant, and what they mean."""
 NODE_ARGUMENTS: dict[str, tuple[str, str, list[str] | None]] = {
     'namespace': ('', 'of the nodes', None),
     'log_level': ('', 'of the nodes', ['', 'debug', 'info', 'warn', 'error', 'fatal']),
+    'composed': ('false', 'all nodes in one process', ['true', 'false']),
 }
 """Launch arguments of all nodes: default, meaning, choices."""
 
@@ -90,6 +91,24 @@ def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str
         'output': 'screen',
         'on_exit': end_with_failed,
     }
+
+
+def executables(roles: Sequence[str], arguments: Mapping[str, str], options: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return what each `launch_ros.actions.Node` is given, so that these roles run: one if the launch is `composed`.
+
+    Parameters
+    ----------
+    roles
+        Of the nodes.
+    arguments
+        Of the launch.
+    options
+        Of every node, from `node_options`.
+
+    """
+    if arguments['composed'] == 'true':  # without a name, which all would get
+        return [{**options, 'executable': COMPOSED, 'arguments': [*options['arguments'], *roles]}]
+    return [{**options, 'executable': role, 'name': role} for role in roles]
 
 
 def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:

@@ -26,16 +26,31 @@ HASTE = 1.2
 
 
 class NodeGroup:
-    """The processes of a rig. A context: on leaving it, none is left."""
+    """The processes of a rig. A context: on leaving it, none is left.
 
-    def __init__(self, roles: Sequence[str], parameters: Mapping[str, Any], domain: int) -> None:
+    Parameters
+    ----------
+    roles
+        Of its nodes.
+    parameters
+        Of all nodes; each takes its own.
+    domain
+        ROS domain.
+    composed
+        Whether the nodes share one process.
+
+    """
+
+    def __init__(
+        self, roles: Sequence[str], parameters: Mapping[str, Any], domain: int, *, composed: bool = False
+    ) -> None:
         self._processes: list[NodeProcess] = []
         self._left: dict[str, float] = {}
         self._server = ExitStack()
         try:
             server = self._server.enter_context(fork_server())
-            for role in roles:
-                self._processes.append(NodeProcess(server, role, parameters, domain))
+            for together in [roles] if composed and roles else [[role] for role in roles]:
+                self._processes.append(NodeProcess(server, together, parameters, domain))
         except BaseException:
             self.stop(HASTE)
             raise
@@ -52,7 +67,7 @@ class NodeGroup:
 
     def __getitem__(self, role: str) -> NodeProcess:
         """Return the process of a role."""
-        return next(process for process in self._processes if process.role == role)
+        return next(process for process in self._processes if role in process.roles)
 
     def check(self) -> bool:
         """Return whether all have ended as they should; False while one runs.
@@ -68,8 +83,8 @@ class NodeGroup:
         # A node that broke is more telling than one that was killed, and than those that fell with it.
         for process, status in sorted(failed, key=lambda pair: pair[1] < 0):
             how = f'was killed by {signal.Signals(-status).name}' if status < 0 else f'died with status {status}'
-            lines = process.last_error_lines()
-            raise RigError(f'{process.role} {how}{": " + lines if lines else ""}')
+            who, lines = process.last_error()
+            raise RigError(f'{who} {how}{": " + lines if lines else ""}')
         if any(process.orphaned for process in self._processes):
             raise RigError('the process that the nodes were forked from was killed, and they have left')
         return all(status == 0 for _, status in ended)
@@ -80,12 +95,12 @@ class NodeGroup:
 
     def who_waits(self) -> str:
         """Return in words who waits for whom; empty if nobody says so."""
-        waits = [(process.role, process.waits_for) for process in self._processes if process.waits_for]
+        waits = [pair for process in self._processes for pair in process.waits.items()]
         return '; '.join(f'{role} waits for {awaited}' for role, awaited in waits)
 
     def refusals(self) -> list[str]:
         """Return which nodes have refused what somebody said, and what they said of it."""
-        return [f'{process.role} has {process.refused}' for process in self._processes if process.refused]
+        return [f'{role} has {what}' for process in self._processes for role, what in process.refused.items()]
 
     def refuse_leavers(self, patience: float) -> None:
         """Refuse that a node ended of itself, as after a signal, while others still need it.
@@ -98,8 +113,8 @@ class NodeGroup:
         """
         now = time.monotonic()
         for process in self._processes:
-            if process.status() == 0 and now - self._left.setdefault(process.role, now) > patience:
-                raise RigError(f'{process.role} was ended before the session was over')
+            if process.status() == 0 and now - self._left.setdefault(process.name, now) > patience:
+                raise RigError(f'{process.name} was ended before the session was over')
 
     def wait(self, timeout: float, *news: int) -> bool:
         """Wait until a node ends, a file descriptor of `news` can be read, or the time is over; then check.

@@ -1,4 +1,4 @@
-"""One node as a process of its own."""
+"""A process of nodes: of one, or of several that are composed."""
 
 from __future__ import annotations
 
@@ -13,53 +13,62 @@ from typing import TYPE_CHECKING, Any
 import yaml
 
 from kapitsa_ros.rig.file_in_memory import file_in_memory
+from kapitsa_ros.ros.arguments import COMPOSED
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from kapitsa_ros.rig.fork_server_process import ForkServerProcess
 
 LAST_LINES = 20
+"""Of a node."""
 _OTHER = 'second writer'
-_REFUSED = re.compile(r': (refused: .+ \(\d+ so far\))$')
-_JOINED, _WAITING = re.compile(r': joins domain \d+$'), re.compile(r': waiting for (.+) in domain \d+')
-_FOUND = re.compile(r': waits for nobody any more$')
+_SAYS = r'\[(?:[^\]]*\.)?(\w+)\]: '
+"""Begin of what a node logs, with its name."""
+_REFUSED = re.compile(rf'{_SAYS}(refused: .+ \(\d+ so far\))$')
+_JOINED, _WAITING = re.compile(rf'{_SAYS}joins domain \d+$'), re.compile(rf'{_SAYS}waiting for (.+) in domain \d+')
+_FOUND = re.compile(rf'{_SAYS}waits for nobody any more$')
 """Lines of a node: that it is there, for whom it waits; above, that it has not used what somebody said."""
+_FAILED = re.compile(r'(\w+): error: (.*)')
 
 
 class NodeProcess:
-    """One node as a process of its own.
+    """A process of nodes: of one, or of several that are composed.
 
     Parameters
     ----------
     server
         What it is forked from.
-    role
-        Executable and name of the node.
+    roles
+        Executables and names of the nodes.
     parameters
-        ROS parameters; those the node does not declare are ignored by it.
+        ROS parameters; those a node does not declare are ignored by it.
     domain
         ROS domain.
 
     """
 
-    def __init__(self, server: ForkServerProcess, role: str, parameters: Mapping[str, Any], domain: int) -> None:
-        self.role = role
-        self._lines: deque[str] = deque(maxlen=LAST_LINES)
+    def __init__(
+        self, server: ForkServerProcess, roles: Sequence[str], parameters: Mapping[str, Any], domain: int
+    ) -> None:
+        self.roles = tuple(roles)
+        self.name = roles[0] if len(roles) == 1 else f'the process of {", ".join(roles)}'
+        """As messages name it."""
+        self._lines: deque[str] = deque(maxlen=LAST_LINES * len(roles))
         self._news = threading.Condition()
-        self.has_joined = False
-        """Whether it has said that it is in its domain."""
-        self.waits_for: str | None = None
-        """For whom it waits, as it last said."""
-        self.refused: str | None = None
-        """What it has last refused, of another writer if it had to do with one, and how often it did."""
+        self._joined: set[str] = set()
+        self.waits: dict[str, str] = {}
+        """For whom each role waits, as it last said."""
+        self.refused: dict[str, str] = {}
+        """What each role has last refused, of another writer if it had to do with one, and how often it did."""
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
             of_any_node = {'/**': {'ros__parameters': dict(parameters)}}
             try:
                 with file_in_memory(yaml.safe_dump(of_any_node, allow_unicode=True)) as file:
-                    self._process = server.start(role, file.fileno(), stderr, domain)
+                    nodes = self.roles if len(roles) == 1 else (COMPOSED, *roles)
+                    self._process = server.start(nodes, file.fileno(), stderr, domain)
             finally:
                 os.close(stderr)
             failed_start.callback(self._process.close)
@@ -87,17 +96,23 @@ class NodeProcess:
         """Return the exit status, that of a signal negative; None while it runs, or where it is an orphan."""
         return self._process.status()
 
-    def _note_refused(self, text: str) -> None:
-        if self.refused is None or _OTHER in text or _OTHER not in self.refused:
-            self.refused = text
+    @property
+    def has_joined(self) -> bool:
+        """Whether all its nodes have said that they are in their domain."""
+        return self._joined >= set(self.roles)
 
     def last_error_lines(self) -> str:
         """Return its last error, or else its last lines on stderr."""
+        return self.last_error()[1]
+
+    def last_error(self) -> tuple[str, str]:
+        """Return whose its last error was, and which; or else its own name and its last lines on stderr."""
         self._reader.join(timeout=1.0)
         lines = [line for line in self._lines if line.strip()]
-        errors = [line for line in lines if line.startswith(f'{self.role}: error: ')]
-        complaints = [line for line in lines if not line.startswith('[INFO]')]
-        return errors[-1].removeprefix(f'{self.role}: error: ') if errors else '; '.join(complaints[-3:])
+        errors = [found for line in lines if (found := _FAILED.fullmatch(line)) and found[1] in self.roles]
+        if errors:
+            return errors[-1][1], errors[-1][2]
+        return self.name, '; '.join([line for line in lines if not line.startswith('[INFO]')][-3:])
 
     def wait_for_line(self, text: str, timeout: float) -> bool:
         """Wait for a line on stderr that contains a text; return False if none comes in time."""
@@ -119,13 +134,19 @@ class NodeProcess:
             for line in self._stderr:
                 with self._news:
                     self._lines.append(line.rstrip())
-                    self.has_joined = self.has_joined or bool(_JOINED.search(line.rstrip()))
-                    if refused := _REFUSED.search(line.rstrip()):
-                        self._note_refused(refused[1])
-                    if waiting := _WAITING.search(line):
-                        self.waits_for = waiting[1]
-                    elif _FOUND.search(line.rstrip()):
-                        self.waits_for = None
+                    self._note(line.rstrip())
                     self._news.notify_all()
         except ValueError:
             pass  # closed from the other side while stopping
+
+    def _note(self, line: str) -> None:
+        if joined := _JOINED.search(line):
+            self._joined.add(joined[1])
+        elif refused := _REFUSED.search(line):
+            role, text = refused.groups()
+            if _OTHER in text or _OTHER not in self.refused.get(role, ''):
+                self.refused[role] = text
+        elif waiting := _WAITING.search(line):
+            self.waits[waiting[1]] = waiting[2]
+        elif found := _FOUND.search(line):
+            self.waits.pop(found[1], None)

@@ -60,7 +60,7 @@ def run_experiment(
     """
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
-    monitor = watch(setup.roles, parameters(setup), on_progress)
+    monitor = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
     # Those of the protocol, and of runs that somebody reset.
     bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
@@ -128,7 +128,7 @@ def replay_bags(
 
     told = replay_parameters(paths, replay)
     refuse_unspeakable(told)
-    return values(watch(REPLAY_NAMES, told, on_progress, tell, attended))
+    return values(watch(REPLAY_NAMES, told, on_progress, tell, attended, composed=replay.composed))
 
 
 def watch(
@@ -137,6 +137,8 @@ def watch(
     on_progress: Progress,
     on_end: Callable[[SessionMonitor], None] = lambda _: None,
     attended: Callable[[SessionMonitor], AbstractContextManager[None]] = lambda _: nullcontext(),
+    *,
+    composed: bool = False,
 ) -> SessionMonitor:
     """Run a graph until its nodes have left, and return its monitor; tell when its session is over."""
     told = False
@@ -145,7 +147,9 @@ def watch(
             monitor = SessionMonitor(domain, on_progress)
         with (
             monitor,
-            NodeGroup(roles, values | {'expect': [*values['expect'], SESSION_MONITOR.name]}, domain) as nodes,
+            NodeGroup(
+                roles, values | {'expect': [*values['expect'], SESSION_MONITOR.name]}, domain, composed=composed
+            ) as nodes,
             attended(monitor),
         ):
             formation = Formation(nodes)

@@ -35,6 +35,8 @@ class Setup:
     bags: Path = Path('runs')
     storage: str = 'mcap'
     roles: tuple[str, ...] = ROLE_NAMES
+    composed: bool = False
+    """Whether the nodes share one process."""
 
     def carried_out(self) -> Protocol:
         """Return the protocol."""
@@ -62,6 +64,8 @@ class Replay:
 
     rate: float = 0.0
     part: PlaybackParameters = field(default_factory=PlaybackParameters)
+    composed: bool = False
+    """Whether the nodes share one process."""
     loop: bool = False
     """Whether to begin again at the end, until the player is told to leave."""
     start_paused: bool = False

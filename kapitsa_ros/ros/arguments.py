@@ -1,7 +1,11 @@
-"""The arguments of a node's process: ROLE [--parent-pid PID] [--ros-args ...]."""
+"""The arguments of a process of nodes: ROLE [--parent-pid PID] [--ros-args ...], or composed [...] ROLE ... [...]."""
 
 from __future__ import annotations
 
+from itertools import takewhile
+
+COMPOSED = 'composed'
+"""In the place of a role: several nodes in one process; their roles follow, or else it is all those of a rig."""
 PARENT_OPTION = '--parent-pid'
 """A node whose parent is no longer this process ends: nothing outlives its rig."""
 NO_LOG_FILES = ['--ros-args', '--disable-external-lib-logs']
@@ -13,6 +17,13 @@ def split_parent(arguments: list[str]) -> tuple[list[str], int | None]:
     if arguments[1:2] == [PARENT_OPTION] and len(arguments) > 2 and arguments[2].isdecimal():
         return [arguments[0], *arguments[3:]], int(arguments[2])
     return arguments, None
+
+
+def without_roles(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]:
+    """Return the arguments of composed nodes without their roles, and those."""
+    first = 3 if arguments[1:2] == [PARENT_OPTION] else 1
+    roles = tuple(takewhile(lambda argument: not argument.startswith('-'), arguments[first:]))
+    return arguments[:first] + arguments[first + len(roles) :], roles
 
 
 def beside_ros(arguments: list[str]) -> list[str]:

@@ -14,7 +14,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from kapitsa_ros.errors import shorten
-from kapitsa_ros.network.cdr import stamp_of
+from kapitsa_ros.network.cdr import aligned, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
@@ -78,6 +78,8 @@ class DataflowNode(Node):
                 f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLE_NAMES)}'
             )
         self.finished = False
+        self.has_news = False
+        """Whether a message has come since the node was polled."""
         self._failure: Exception | None = None
         self._refused = 0
         self._held_up = 0
@@ -129,6 +131,7 @@ class DataflowNode(Node):
     def emit_raw(self, topic: Topic[Any], raw: bytes) -> None:
         """Publish one message; a reader that is behind slows the writer, it does not break it."""
         publisher = self._out[topic.name]
+        raw += bytes(aligned(len(raw), 4))  # as DDS pads it on its way, but not to a reader in the same process
         self._stamp_ns = stamp_of(raw)
         said = False
         while True:
@@ -210,6 +213,7 @@ class DataflowNode(Node):
 
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
+            self.has_news = True
             try:
                 fresh = self.accept(name, step_id, raw)
             except WireError as error:

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import rclpy
 
 from kapitsa_ros.errors import KapitsaError
-from kapitsa_ros.ros.arguments import NO_LOG_FILES
+from kapitsa_ros.ros.arguments import COMPOSED, NO_LOG_FILES
 from kapitsa_ros.ros.parameters import noting_declarations
 from kapitsa_ros.ros.reachability import refuse_unreachable
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from kapitsa_ros.ros.dataflow_node import DataflowNode
     from kapitsa_ros.ros.parameters import Declaration
@@ -38,6 +38,15 @@ def help_text(role: str, description: str, create: Callable[[], DataflowNode]) -
             rclpy.try_shutdown()
     usage = f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]'
     return '\n'.join([usage, '', description.strip(), '', 'parameters:', *map(_line, declared)])
+
+
+def composed_help_text(roles: Iterable[str]) -> str:
+    """Return the help of nodes that share a process."""
+    return (
+        f'usage: {COMPOSED} [ROLE ...] [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]\n\n'
+        f'Several nodes in one process; without a ROLE all those of a rig. Roles: {", ".join(roles)}.\n'
+        'Parameters are those of the nodes, each of which takes its own: ROLE --help tells of them.'
+    )
 
 
 def _line(declared: Declaration) -> str:

@@ -45,6 +45,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
     host: str,
     port: int | None,
     open_page: bool,
+    composed: bool = False,
 ) -> None:
     """Start a rig and a page in front of it, and serve until somebody interrupts.
 
@@ -56,6 +57,8 @@ def serve_bench(  # noqa: PLR0917  # the command's options
         Address that is listened on; without a port, the usual one or any that is free.
     open_page
         Whether to open the page, where there is a browser with a window.
+    composed
+        Whether the nodes of the rig share one process.
 
     Raises
     ------
@@ -70,7 +73,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
     refuse_old_runs(bags)
 
     async def serve(listening: socket.socket) -> None:
-        bench = WebBench(plant, instruments, seed, rate, bags, table)
+        bench = WebBench(plant, instruments, seed, rate, bags, table, composed=composed)
         make_writable(bags)
         access = Access.of(host, listening.getsockname()[1])
         click.echo(f'bench: {access.url}')

@@ -56,10 +56,18 @@ class WebBench:
     """
 
     def __init__(  # noqa: PLR0917  # as the command's options
-        self, plant: Plant, instruments: Instruments, seed: int, rate: float, bags: Path, table: Path
+        self,
+        plant: Plant,
+        instruments: Instruments,
+        seed: int,
+        rate: float,
+        bags: Path,
+        table: Path,
+        *,
+        composed: bool = False,
     ) -> None:
         self.plant, self.instruments = plant, instruments
-        self._seed = seed
+        self._seed, self._composed = seed, composed
         self.state = BenchState(plant, instruments, table, rate)
         self.pages = PageClients()
         self.folders = [bags]
@@ -95,7 +103,15 @@ class WebBench:
         """
         folder, rate = self.folders[-1], self.state.clock.rate
         make_writable(folder)
-        rig = Rig(self.plant, self.instruments, self._seed, rate, bags=folder, protocol=MANUAL)
+        rig = Rig(
+            self.plant,
+            self.instruments,
+            self._seed,
+            rate,
+            bags=folder,
+            protocol=MANUAL,
+            composed=self._composed,
+        )
         self._rig = await asyncio.to_thread(rig.__enter__)
         self.controls = BenchControls(self._rig, self.state, self._post, self._receive_failure, self._receive)
         self.controls.start()

@@ -134,7 +134,7 @@ def test_a_node_that_nobody_reads_ends_where_it_cannot_say_why(
         pipe, stderr = os.pipe()
         os.close(pipe)
         with file_in_memory('/**: {ros__parameters: {length: -1.0}}') as parameters:
-            node = server.start('pendulum', parameters.fileno(), stderr, domain)
+            node = server.start(['pendulum'], parameters.fileno(), stderr, domain)
         os.close(stderr)
         eventually(lambda: node.status() is not None)
         node.close()
@@ -143,4 +143,4 @@ def test_a_node_that_nobody_reads_ends_where_it_cannot_say_why(
 def test_a_server_that_is_gone_is_named(own_server: ForkServerProcess, domain: int) -> None:
     os.kill(own_server.pid, signal.SIGKILL)
     with open(os.devnull) as null, pytest.raises(RigError, match=f'pendulum cannot be started: .* {own_server.pid}'):  # noqa: PTH123
-        own_server.start('pendulum', null.fileno(), null.fileno(), domain)
+        own_server.start(['pendulum'], null.fileno(), null.fileno(), domain)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
+from kapitsa_ros.cli.options import SEED, composed_option, instrument_options, plant_options, real_time_option
 from kapitsa_ros.extras import import_of_extra
 
 if TYPE_CHECKING:
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     '--table', type=click.Path(path_type=Path), help='CSV file for your readings  [default: named like the folder]'
 )
 @real_time_option
+@composed_option
 @click.option('--web', is_flag=True, help='in a browser: prints the link, and serves until Ctrl-C')
 @click.option('--host', default='127.0.0.1', show_default=True, help='of --web: address that is listened on')
 @click.option(
@@ -41,6 +42,7 @@ def bench(
     bags: Path | None,
     table: Path | None,
     rate: float,
+    composed: bool,
     web: bool,
     host: str,
     port: int | None,
@@ -55,10 +57,11 @@ def bench(
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
         serve_bench = import_of_extra('kapitsa_ros.web.session', 'the bench in a browser', 'web').serve_bench
-        serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
+        of_page = {'host': host, 'port': port, 'open_page': open_page}
+        serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
     else:
         work_at_bench = import_of_extra('kapitsa_ros.bench.session', 'the bench', 'bench').work_at_bench
-        work_at_bench(plant, instruments, seed, rate, folder, book)
+        work_at_bench(plant, instruments, seed, rate, folder, book, composed=composed)
 
 
 def _free_folder(table: Path | None) -> Path:

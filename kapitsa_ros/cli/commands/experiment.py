@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros._api.experiment import experiment as call
-from kapitsa_ros.cli.options import SEED, assumption_option, instrument_options, json_option, plant_options, rate_option
+from kapitsa_ros.cli.options import (
+    SEED,
+    assumption_option,
+    composed_option,
+    instrument_options,
+    json_option,
+    plant_options,
+    rate_option,
+)
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.recording.writer import STORAGES
@@ -29,6 +37,7 @@ if TYPE_CHECKING:
 @click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
 @rate_option
 @click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
+@composed_option
 @assumption_option
 @json_option
 def experiment(
@@ -40,6 +49,7 @@ def experiment(
     protocol: str,
     rate: float,
     storage: str,
+    composed: bool,
     assumptions: Assumptions,
     as_json: bool,
 ) -> None:
@@ -58,6 +68,7 @@ def experiment(
             bags=bags,
             rate=rate,
             storage=storage,
+            composed=composed,
             assumptions=assumptions,
             on_progress=on_progress,
         )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.cli.options import RATE, bags_argument, json_option
+from kapitsa_ros.cli.options import RATE, bags_argument, composed_option, json_option
 from kapitsa_ros.cli.replay_keys import replay_keys
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.cli.warnings_of_bags import warn_of_defects
@@ -34,6 +34,7 @@ _PLACE = click.FloatRange(0.0, LONGEST)
 @click.option('--end', type=_PLACE, default=None, help='where to end, s  [default: the end]')
 @click.option('--loop', is_flag=True, help='begin again at the end, until Ctrl-C')
 @click.option('--start-paused', is_flag=True, help='wait for the service player/resume, or the space bar')
+@composed_option
 @json_option
 def replay(
     *,
@@ -43,6 +44,7 @@ def replay(
     end: float | None,
     loop: bool,
     start_paused: bool,
+    composed: bool,
     as_json: bool,
 ) -> None:
     """Play recorded runs through the graph; the analyser there analyses them as they come.
@@ -62,7 +64,8 @@ def replay(
         part = PlaybackParameters(start=start, end=LONGEST if end is None else end)
     except ConfigurationError as error:
         raise click.UsageError(str(error)) from error
-    how = Replay(rate=float(loop) if rate is None else rate, part=part, loop=loop, start_paused=start_paused)
+    rate = float(loop) if rate is None else rate
+    how = Replay(rate=rate, part=part, composed=composed, loop=loop, start_paused=start_paused)
 
     def show(values: dict[str, Any]) -> None:
         warn_of_defects(values['runs'])
@@ -77,7 +80,7 @@ def replay(
             with own_output():
                 show(values)
 
-        steered = partial(replay_keys, rate=how.rate)
+        steered = partial(replay_keys, rate=rate)
         values = replay_bags(bags, how, on_progress, show_early if loop else None, steered)
     if not loop:
         show(values)

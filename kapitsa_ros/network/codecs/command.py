@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.network.cdr import read_step_id
+from kapitsa_ros.network.cdr import body_of, read_step_id, with_empty_header
 from kapitsa_ros.network.codec import Codec
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_id import StepId
@@ -46,13 +47,19 @@ class CommandCodec(Codec[Command]):
         """
         if read_step_id(raw).end:
             return Command(0.0, None, end=True)
-        message: Any = deserialise(self.message_type, raw)
-        if message.name not in ([_SHAFT], [_SHAFT, _PENDULUM]):
-            raise WireError(f'a command names shaft, then pendulum where it is held; this one names {message.name}')
-        held = len(message.name) == 2
-        if len(message.velocity) != len(message.name) or (held and len(message.position) != 2):
-            raise WireError('a command has a velocity for each name, and positions where the pendulum is held')
-        values = [*message.velocity, *message.position]
-        if not np.isfinite(values).all():
-            raise WireError('a command is not finite')
-        return Command(float(message.velocity[0]), float(message.position[1]) if held else None)
+        return _command(*body_of(raw))
+
+
+@lru_cache(maxsize=64)
+def _command(place: int, body: bytes) -> Command:
+    """Decode what follows the header: step after step it is the same."""
+    message: Any = deserialise(CommandCodec.message_type, with_empty_header(place, body))
+    if message.name not in ([_SHAFT], [_SHAFT, _PENDULUM]):
+        raise WireError(f'a command names shaft, then pendulum where it is held; this one names {message.name}')
+    held = len(message.name) == 2
+    if len(message.velocity) != len(message.name) or (held and len(message.position) != 2):
+        raise WireError('a command has a velocity for each name, and positions where the pendulum is held')
+    values = [*message.velocity, *message.position]
+    if not np.isfinite(values).all():
+        raise WireError('a command is not finite')
+    return Command(float(message.velocity[0]), float(message.position[1]) if held else None)

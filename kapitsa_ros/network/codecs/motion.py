@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -50,11 +51,9 @@ class MotionCodec(Codec[SampledMotion]):
 
         """
         block = decode_block(raw) or self._decode_points(raw)
-        periods = np.diff(block.times_ns)
-        if not periods.size or block.times_ns[0] != 0 or periods[0] <= 0 or (periods != periods[0]).any():
-            raise WireError('a motion block begins at time 0 and its times grow in equal steps')
+        period = _period(block.times_ns.tobytes())
         try:
-            return SampledMotion(float(periods[0]) / SECOND, block.position, block.rate, block.acceleration)
+            return SampledMotion(period, block.position, block.rate, block.acceleration)
         except MotionError as error:
             raise WireError(str(error)) from error
 
@@ -70,3 +69,13 @@ class MotionCodec(Codec[SampledMotion]):
         times = [point.time_from_start.sec * SECOND + point.time_from_start.nanosec for point in points]
         arrays = (np.array(column, float).reshape(-1) for column in columns)
         return Block(message.joint_names[0], np.array(times, np.int64), *arrays)
+
+
+@lru_cache(maxsize=8)
+def _period(times_ns: bytes) -> float:
+    """Return the seconds from one time to the next."""
+    times = np.frombuffer(times_ns, np.int64)
+    periods = np.diff(times)
+    if not periods.size or times[0] != 0 or periods[0] <= 0 or (periods != periods[0]).any():
+        raise WireError('a motion block begins at time 0 and its times grow in equal steps')
+    return float(periods[0]) / SECOND

@@ -1,0 +1,120 @@
+"""The nodes of a process, of one or of several: made, spun in one thread, and taken down together."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import rclpy
+from rclpy._rclpy_pybind11 import RCLError  # it has no public type
+from rclpy.experimental import EventsExecutor
+
+from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.node_loop import NodeLoop
+from kapitsa_ros.ros.parameters import unknown_parameters
+from kapitsa_ros.ros.rclpy_errors import no_node_text
+from kapitsa_ros.ros.shutdown import ShutdownWatchdog
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from kapitsa_ros.ros.dataflow_node import DataflowNode
+
+PATIENCE = 1.0
+"""Seconds given to DDS to take the nodes down."""
+
+
+class Composition:
+    """The nodes of a process.
+
+    Parameters
+    ----------
+    creates
+        What makes each node, once ROS is initialised, by its role.
+
+    """
+
+    def __init__(self, creates: Mapping[str, Callable[[], DataflowNode]]) -> None:
+        self._creates = creates
+        self._nodes: list[DataflowNode] = []
+        self._loop: NodeLoop | None = None
+        self._executor: Any = None
+        self._in_making = next(iter(creates))
+
+    @property
+    def is_at_work(self) -> bool:
+        """Whether all nodes are made."""
+        return self._loop is not None
+
+    @property
+    def role(self) -> str:
+        """Whose node is being made, or was last at work."""
+        return self._in_making if self._loop is None else self._loop.at_work.role.name
+
+    def make(self) -> None:
+        """Make the nodes.
+
+        Raises
+        ------
+        SettingError
+            One cannot be made: `role` is whose.
+
+        """
+        for role, create in self._creates.items():
+            self._in_making = role
+            self._nodes.append(_create(create))
+        self._loop = NodeLoop(self._nodes)
+
+    def spin(self, parent: int | None) -> None:
+        """Let the nodes work until all have finished, ROS is shut down or the parent process is gone; then close them.
+
+        Raises
+        ------
+        Exception
+            What a node could not go on with: `role` is whose.
+
+        """
+        assert self._loop is not None  # noqa: S101  # they are made
+        self._executor = EventsExecutor()
+        for node in self._nodes:
+            self._executor.add_node(node)
+        is_ok = self._nodes[0].context.ok
+        try:
+            # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
+            while not self._loop.is_over and is_ok() and parent in (None, os.getppid()):
+                self._executor.spin_once(timeout_sec=self._loop.poll())
+        finally:
+            self._loop.close()
+
+    def fail(self, error: Exception) -> None:
+        """Let the node that was at work tell why all end."""
+        if self._loop is not None:
+            self._loop.at_work.fail(error)
+
+    def take_down(self, status: int) -> None:
+        """Destroy the nodes and shut ROS down; where that hangs, the process ends with this status."""
+        watchdog = ShutdownWatchdog(PATIENCE, status) if self._nodes else None
+        if self._executor is not None:
+            for node in self._nodes:
+                self._executor.remove_node(node)
+            self._executor.shutdown()
+            self._executor = None  # in the destructor of one that outlives its context C++ aborts
+        for node in self._nodes:
+            node.destroy_node()
+        rclpy.try_shutdown()
+        if watchdog is not None:
+            watchdog.disarm()
+
+
+def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
+    try:
+        node = create()
+    except RCLError as error:
+        if not rclpy.ok():
+            raise
+        raise SettingError(no_node_text(error)) from error
+    # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
+    for line in unknown_parameters(node):
+        node.get_logger().warning(line)
+    node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
+    return node
