@@ -53,7 +53,7 @@ class Access:
         """
         host = headers.get('host', '')
         if not self._is_ours(host):
-            return f'this bench is at {self.host}:{self.port}, and answers to no other name'
+            return f'this is {self.host}:{self.port}, which answers to no other name'
         origin = headers.get('origin')
         if origin is not None and origin != f'http://{host}':  # whatever is no browser sends none
             return 'the request comes from another page'
@@ -62,7 +62,7 @@ class Access:
             and not public
             and not secrets.compare_digest(query.get('token', '').encode(), self.token.encode())
         ):
-            return 'the link lacks the token of this bench: use the one that `kapitsa bench` printed'
+            return 'the link lacks its token: use the link that `kapitsa` printed'
         return None
 
     def _is_ours(self, host: str) -> bool:

@@ -50,7 +50,7 @@ def _turn_dial(bench: WebBench, controls: BenchControls, value: Any) -> None:  #
 
 
 def _touch_dial(bench: WebBench, controls: BenchControls, value: float) -> None:  # noqa: ARG001
-    bench.state.turn_dial(bench.state.dial + value * bench.state.touch)
+    bench.state.turn_dial(bench.state.dial + value * bench.state.lamp_dial.touch)
 
 
 def _set_angle(bench: WebBench, controls: BenchControls, value: Any) -> None:  # noqa: ARG001

@@ -226,9 +226,9 @@ def test_a_person_reads_the_dial_to_its_graduations(state: BenchState):
     assert (shares >= state.faintest).all()
     assert state.forcing == 2240
     for _ in range(2):
-        state.turn_dial(state.dial + state.touch)
+        state.turn_dial(state.dial + state.lamp_dial.touch)
     assert (state.dial, state.dial_reading) == (pytest.approx(4488), pytest.approx(4480))
-    state.turn_dial(state.dial + state.touch)
+    state.turn_dial(state.dial + state.lamp_dial.touch)
     assert state.forcing == 2250
     state.images = 3
     assert state.forcing == 1500

@@ -182,7 +182,9 @@ def test_languages_are_chosen_by_link_then_by_browser() -> None:
 
 def sentences() -> set[str]:
     """Every sentence that a page can show and a catalogue should have, found where it stands."""
-    found = set(re.findall(r'\[\[(.+?)\]\]', (STATIC / 'index.html').read_text(encoding='utf-8')))
+    found: set[str] = set()
+    for page in STATIC.glob('*.html'):
+        found |= set(re.findall(r'\[\[(.+?)\]\]', page.read_text(encoding='utf-8')))
     for script in STATIC.glob('*.js'):
         text = script.read_text(encoding='utf-8')
         for call in re.findall(r'\bsay\(([^;]*?)\)', text, re.DOTALL):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from kapitsa_ros.cli.extras import from_extra
 from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
-from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.cli.server_options import server_options
 
 if TYPE_CHECKING:
     from kapitsa_ros.instruments.settings import Instruments
@@ -29,11 +29,7 @@ if TYPE_CHECKING:
 )
 @real_time_option
 @click.option('--web', is_flag=True, help='in a browser: prints the link, and serves until Ctrl-C')
-@click.option('--host', default='127.0.0.1', show_default=True, help='of --web: address that is listened on')
-@click.option(
-    '--port', type=click.IntRange(0, 65535), help='of --web  [default: 8097, or any that is free]', metavar='NUMBER'
-)
-@click.option('--open/--no-open', 'open_page', default=True, help='of --web: open the page, where there is a display')
+@server_options('of --web: ')
 def bench(
     *,
     plant: Plant,
@@ -55,19 +51,10 @@ def bench(
     folder = bags or _free_folder(table)
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
-        serve_bench = _from_extra('kapitsa_ros.web.session', 'web').serve_bench
+        serve_bench = from_extra('kapitsa_ros.web.session', 'web').serve_bench
         serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
     else:
-        _from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
-
-
-def _from_extra(module: str, extra: str) -> Any:
-    try:
-        return import_module(module)
-    except ModuleNotFoundError as error:
-        raise RigError(
-            f'the bench needs {error.name}: run `make setup`, or pip install "kapitsa_ros[{extra}]"'
-        ) from error
+        from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
 
 
 def _free_folder(table: Path | None) -> Path:
