@@ -12,7 +12,7 @@ from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
 from kapitsa_ros.bench.lamp_dial import LampDial
 from kapitsa_ros.bench.message import Message
-from kapitsa_ros.bench.notebook import Notebook, Row
+from kapitsa_ros.bench.notebook import Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
@@ -23,10 +23,9 @@ from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
+    from kapitsa_ros.bench.notebook import Notebook
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
@@ -55,17 +54,17 @@ class BenchState:
         Its stroke says how the mark moves.
     instruments
         What lamp and stopwatch are like.
-    table
+    notebook
         Where the person's readings go.
     rate
         Simulated over wall seconds.
 
     """
 
-    def __init__(self, plant: Plant, instruments: Instruments, table: Path, rate: float) -> None:
+    def __init__(self, plant: Plant, instruments: Instruments, notebook: Notebook, rate: float) -> None:
         self._settings = instruments.strobe
         self.lamp_dial = LampDial(instruments.strobe)
-        self.notebook = Notebook(table)
+        self.notebook = notebook
         self.clock = BenchClock(rate)
         self.lamp = Lamp(instruments.strobe, plant.amplitude)
         self.watch = HandStopwatch(instruments.stopwatch)

@@ -7,7 +7,7 @@ import secrets
 import socket
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,10 +35,14 @@ class Access:
     @property
     def url(self) -> str:
         """The link to the page."""
+        return self.link('', **({'token': self.token} if self.token else {}))
+
+    def link(self, page: str, **query: str) -> str:
+        """Return the link to a page by its name, with a query."""
         wildcard = host_is_wildcard(self.host)
         name = socket.gethostname() if wildcard else self.host
         shown = f'[{name}]' if ':' in name else name
-        return f'http://{shown}:{self.port}/' + (f'?token={self.token}' if self.token else '')
+        return f'http://{shown}:{self.port}/{page}' + (f'?{urlencode(query)}' if query else '')
 
     def refusal(self, headers: Mapping[str, str], query: Mapping[str, str], *, public: bool) -> str | None:
         """Return why a request is refused; None where it is not.

@@ -28,13 +28,15 @@ class BookFit:
     ----------
     plant
         Its amplitude is the ruler's, and theory predicts for it.
+    amplitude_sigma
+        Standard uncertainty of that amplitude, m.
     on_change
         Called in the event loop whenever there is another fit.
 
     """
 
-    def __init__(self, plant: Plant, on_change: Callable[[], None]) -> None:
-        self._plant = plant
+    def __init__(self, plant: Plant, amplitude_sigma: float, on_change: Callable[[], None]) -> None:
+        self._plant, self._amplitude_sigma = plant, amplitude_sigma
         self._on_change = on_change
         self._values: dict[str, Any] = {}
         self._why = _TOO_FEW
@@ -58,16 +60,16 @@ class BookFit:
             why = _TOO_FEW
             if readings >= _READINGS:
                 try:
-                    values = fit_values(await asyncio.to_thread(_reduced, table, self._plant))
+                    values = fit_values(await asyncio.to_thread(_reduced, table, self._plant, self._amplitude_sigma))
                 except (KapitsaError, OSError) as error:
                     why = Message(str(error))
             self._values, self._why = values, why
             self._on_change()
 
 
-def _reduced(table: Path, plant: Plant) -> Reduction:
+def _reduced(table: Path, plant: Plant, amplitude_sigma: float) -> Reduction:
     # Half a second, for which the first picture need not wait.
     from kapitsa_ros._api.reduce import reduce  # noqa: PLC0415
     from kapitsa_ros.configuration.tables import read_timings  # noqa: PLC0415
 
-    return reduce(read_timings(table), plant)
+    return reduce(read_timings(table), plant, amplitude_sigma=amplitude_sigma)

@@ -12,7 +12,11 @@ from starlette.routing import Route
 from kapitsa_ros.web.catalogue import choose_language, translated, words_of
 
 if TYPE_CHECKING:
+    from collections.abc import Awaitable, Callable
+
     from starlette.requests import Request
+
+    Answer = Callable[[Request], Awaitable[Response]]
 
 STATIC = Path(__file__).parent / 'static'
 _TYPES = {'.js': 'text/javascript', '.css': 'text/css', '.svg': 'image/svg+xml'}
@@ -24,8 +28,8 @@ def static_files() -> dict[str, tuple[bytes, str]]:
     return {path.name: (path.read_bytes(), _TYPES[path.suffix]) for path in STATIC.iterdir() if path.suffix in _TYPES}
 
 
-def page_route(path: str, name: str) -> Route:
-    """Return the route to a page, by the name of its file, in the language of whoever asks."""
+def page_route(path: str, name: str, guarded: Callable[[Answer], Answer] = lambda answer: answer) -> Route:
+    """Return the route to a page, by the name of its file, in the language of whoever asks; `guarded` may refuse."""
     page = (STATIC / f'{name}.html').read_text(encoding='utf-8')
 
     async def answer(request: Request) -> Response:
@@ -33,7 +37,7 @@ def page_route(path: str, name: str) -> Route:
         text = translated(page, language).replace('<html lang="en">', f'<html lang="{language}">')
         return Response(text, media_type='text/html', headers={'Vary': 'Accept-Language'})
 
-    return Route(path, answer)
+    return Route(path, guarded(answer))
 
 
 def shared_routes() -> list[Route]:

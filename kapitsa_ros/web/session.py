@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
+from kapitsa_ros.bench.notebook import Notebook
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
+from kapitsa_ros.web.bench_setup import BenchSetup
 from kapitsa_ros.web.server import application
 from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
 from kapitsa_ros.web.web_bench import WebBench
@@ -59,7 +61,8 @@ def serve_bench(  # noqa: PLR0917  # the command's options
     refuse_old_runs(bags)
 
     async def serve(listening: socket.socket) -> None:
-        bench = WebBench(plant, instruments, seed, rate, bags, table)
+        setup = BenchSetup(plant=plant, instruments=instruments, seed=seed, rate=rate, bags=bags, shown=plant)
+        bench = WebBench(setup, Notebook(table))
         make_writable(bags)
         access = Access.of(host, listening.getsockname()[1])
         click.echo(f'bench: {access.url}')

@@ -187,7 +187,7 @@ def sentences() -> set[str]:
         found |= set(re.findall(r'\[\[(.+?)\]\]', page.read_text(encoding='utf-8')))
     for script in STATIC.glob('*.js'):
         text = script.read_text(encoding='utf-8')
-        for call in re.findall(r'\bsay\(([^;]*?)\)', text, re.DOTALL):
+        for call in re.findall(r"\bsay\(((?:'[^']*'|[^;'])*?)\)", text):
             found |= set(re.findall(r"'([^']+)'", call))
     for folder in ('bench', 'web'):
         for module in set((PACKAGE / folder).glob('*.py')) - {PACKAGE / 'bench' / 'app.py'}:  # the terminal's own

@@ -3,6 +3,7 @@
 import { showBook } from './book.js';
 import { drawLamp, drawRig, drawScale } from './drawing.js';
 import { fitText } from './fit_text.js';
+import { bindHandIn, showClass } from './hand_in.js';
 import { bindKeys, bindKnobs, showKnobs } from './knobs.js';
 import { Link } from './link.js';
 import { MotionStore } from './motion_store.js';
@@ -52,6 +53,7 @@ const shows = {
     put('fit', fitText(report));
     drawFit($('fit-plot'), report, colors);
   },
+  class: showClass,
   messages(report) {
     list('messages', report.messages);
   },
@@ -129,4 +131,5 @@ const ask = (name, value) => link.ask(name, value);
 bindKnobs(ask, now, bench, { describe, saw });
 bindKeys(ask, now, bench, { describe });
 bindPull($('rig'), ask, bench);
+bindHandIn(ask);
 drawFrames(() => bench.rig && bench.knobs, draw);
