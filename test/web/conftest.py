@@ -7,12 +7,18 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 import pytest
+
+with suppress(ImportError):
+    from websockets.exceptions import ConnectionClosed
+    from websockets.sync.client import connect
 
 PATIENCE = 60.0
 
@@ -24,6 +30,10 @@ class Server:
     process: subprocess.Popen[str]
     url: str
     folder: Path
+
+    @property
+    def link(self) -> str:
+        return f'{self.url.replace("http", "ws", 1).partition("?")[0]}bench'
 
     def ask(self, path: str = '', method: str = 'GET', body: str = '', **headers: str) -> tuple[int, bytes]:
         connection = HTTPConnection(self.url.removeprefix('http://').partition('/')[0], timeout=PATIENCE)
@@ -57,18 +67,78 @@ def serve(folder: Path, name: str, *arguments: object, **options: Any) -> Server
     return Server(process, found[1], folder)
 
 
-@pytest.fixture(scope='session')
-def serving() -> Callable[..., Server]:
-    return serve
+@pytest.fixture(scope='module')
+def serving() -> Iterator[Callable[..., Server]]:
+    """Start servers; none of them outlives the tests of a file."""
+    servers = []
+
+    def start(*arguments: Any, **options: Any) -> Server:
+        servers.append(serve(*arguments, **options))
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.process.kill()
+        server.process.wait()
+
+
+class Page:
+    """A client of the bench that is no browser."""
+
+    def __init__(self, server: Server, key: str, **query: str) -> None:
+        self._stack = ExitStack()
+        address = f'{server.link}?{urlencode({"key": key} | query)}'
+        self.link: Any = self._stack.enter_context(connect(address, max_size=None, max_queue=None))
+        self.told: dict[str, dict[str, Any]] = {}
+        self.motions = 0
+
+    def close(self) -> None:
+        self._stack.close()
+
+    def ask(self, name: str, value: Any = None) -> None:
+        self.link.send(json.dumps({'do': name} if value is None else {'do': name, 'value': value}))
+
+    def until(self, true: Callable[[], Any]) -> None:
+        deadline = time.monotonic() + PATIENCE
+        while not true():
+            frame = self.link.recv(timeout=deadline - time.monotonic())
+            if isinstance(frame, bytes):
+                self.motions += 1
+            else:
+                report = json.loads(frame)
+                self.told[report['kind']] = report
+
+    def refused(self, why: str) -> None:
+        self.until(lambda: why in self.told.get('refusal', {}).get('why', ''))
+
+    def closed(self) -> tuple[int, str]:
+        with pytest.raises(ConnectionClosed) as closed:
+            self.until(lambda: False)
+        assert closed.value.rcvd is not None
+        return closed.value.rcvd.code, closed.value.rcvd.reason
+
+    def works(self) -> bool:
+        return bool(self.told.get('rig', {}).get('works'))
+
+
+@pytest.fixture
+def link_to() -> Iterator[Callable[..., Page]]:
+    """Open links to benches."""
+    pytest.importorskip('websockets')
+    pages = []
+
+    def open_(server: Server, key: str, **query: str) -> Page:
+        pages.append(Page(server, key, **query))
+        return pages[-1]
+
+    yield open_
+    for page in pages:
+        page.close()
 
 
 @dataclass
 class Bench(Server):
     """A `kapitsa bench --web` that runs."""
-
-    @property
-    def link(self) -> str:
-        return self.url.replace('http', 'ws', 1) + 'bench'
 
     def wait(self) -> None:
         """Wait until there is a run, and no page of an earlier test."""

@@ -61,17 +61,14 @@ def test_no_other_run_and_no_more_than_a_piece_is_given(asked: tuple[int, int, i
 
 
 @pytest.fixture(scope='module')
-def replay(serving: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+def replay(serving: Callable[..., Any], tmp_path_factory: pytest.TempPathFactory) -> Any:
     """A replay of a whole run, of one that was cut off, and of a third."""
     folder = tmp_path_factory.mktemp('replay')
     for bag in SHIPPED.iterdir():
         shutil.copytree(bag, folder / bag.name)
     [cut] = (folder / 'run_02_2640rpm').glob('*.mcap')
     cut.write_bytes(cut.read_bytes()[: cut.stat().st_size // 2])
-    server = serving(folder, 'replay', 'replay', '--web', '--no-open', '--start-paused', folder, stderr=subprocess.PIPE)
-    yield server
-    server.process.kill()
-    server.process.wait()
+    return serving(folder, 'replay', 'replay', '--web', '--no-open', '--start-paused', folder, stderr=subprocess.PIPE)
 
 
 def test_what_is_missing_is_said_and_the_fit_is_that_of_analyse(replay: Any) -> None:
