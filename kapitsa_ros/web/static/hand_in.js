@@ -11,7 +11,7 @@ export function showClass(report) {
   }));
   if (!report.last) return;
   const [value, low, high] = report.last.map((speed) => String(Number(speed.toPrecision(6))));
-  put('handed-in', say('Handed in {count} times, the last counts: {value} RPM, {low} to {high} RPM', { count: report.handed_in, value, low, high }));
+  put('handed-in', say('Handed in: {value} RPM, {low} to {high} RPM (of {count} the last counts)', { count: report.handed_in, value, low, high }));
 }
 
 export function bindHandIn(ask) {
