@@ -146,7 +146,7 @@ class BenchApp(App[RigError]):
 
     def action_touch(self, count: int) -> None:
         """Turn the dial by a touch."""
-        self.state.turn_dial(self.state.dial + count * self.state.touch)
+        self.state.turn_dial(self.state.dial + count * self.state.lamp_dial.touch)
 
     def action_dial(self, change: int) -> None:
         """Turn the dial."""

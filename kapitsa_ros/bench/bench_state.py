@@ -10,8 +10,9 @@ import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
+from kapitsa_ros.bench.lamp_dial import LampDial
 from kapitsa_ros.bench.message import Message
-from kapitsa_ros.bench.notebook import Notebook, Row
+from kapitsa_ros.bench.notebook import Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
 from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
@@ -22,10 +23,9 @@ from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
+    from kapitsa_ros.bench.notebook import Notebook
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.instruments.strobe import StrobeReading
@@ -35,10 +35,6 @@ if TYPE_CHECKING:
 
 FASTEST = round(MAX_SPEED / RPM)
 """RPM."""
-FINE = 5
-"""A touch of the dial is this part of a graduation."""
-TOUCH = 1.0
-"""The same of a dial without graduations, flashes a minute."""
 _BLOCKS = 20
 """Blocks of the motion that are kept to look at."""
 _MESSAGES_KEPT = 50
@@ -58,16 +54,17 @@ class BenchState:
         Its stroke says how the mark moves.
     instruments
         What lamp and stopwatch are like.
-    table
+    notebook
         Where the person's readings go.
     rate
         Simulated over wall seconds.
 
     """
 
-    def __init__(self, plant: Plant, instruments: Instruments, table: Path, rate: float) -> None:
+    def __init__(self, plant: Plant, instruments: Instruments, notebook: Notebook, rate: float) -> None:
         self._settings = instruments.strobe
-        self.notebook = Notebook(table)
+        self.lamp_dial = LampDial(instruments.strobe)
+        self.notebook = notebook
         self.clock = BenchClock(rate)
         self.lamp = Lamp(instruments.strobe, plant.amplitude)
         self.watch = HandStopwatch(instruments.stopwatch)
@@ -163,23 +160,8 @@ class BenchState:
         """
         if math.isnan(dial):
             raise InstrumentError('the dial of the lamp shows flashes a minute: give a number')
-        self.dial = min(max(dial, 0.0), self.dial_end)
+        self.dial = min(max(dial, 0.0), self.lamp_dial.end)
         self.lamp.turn(self.dial * RPM)
-
-    @property
-    def graduation(self) -> float:
-        """Distance of two graduations of the dial, flashes a minute; 0: it can be read exactly."""
-        return self._settings.dial_resolution / RPM
-
-    @property
-    def dial_end(self) -> float:
-        """How far the dial goes, flashes a minute."""
-        return self._settings.dial_end / RPM
-
-    @property
-    def touch(self) -> float:
-        """The least that a hand turns the dial, flashes a minute."""
-        return self.graduation / FINE or TOUCH
 
     @property
     def dial_reading(self) -> float:

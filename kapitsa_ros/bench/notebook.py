@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 
 _COLUMNS = ('forcing_rpm', 'period_s', 'release_rad', 'swings', 'display_s', 'run')
+
+_NOTE, _STRUCK = '# ', '# struck out: '
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,21 +57,26 @@ class Notebook:
     ----------
     path
         Of the CSV file; it is made with the first line.
+    continued
+        Whether a file that is there is gone on with.
 
     Raises
     ------
     UsageError
         The file is there already, or its folder is not.
+    TableError
+        A file that is to be gone on with is no such table.
 
     """
 
-    def __init__(self, path: Path) -> None:
-        if path.exists():
+    def __init__(self, path: Path, *, continued: bool = False) -> None:
+        there = path.exists()
+        if there and not continued:
             raise UsageError(f'--table {path} exists: readings are never overwritten, give another name')
         if not path.parent.is_dir() or not os.access(path.parent, os.W_OK | os.X_OK):
             raise UsageError(f'--table {path}: its folder cannot be written; give another name')
         self.path = path
-        self.lines: list[BookLine] = []
+        self.lines: list[BookLine] = _read(path) if there else []
         """All that was ever written, in its order."""
 
     @property
@@ -168,10 +175,34 @@ class Notebook:
             raise
 
 
+def _read(path: Path) -> list[BookLine]:
+    """Return what `Notebook.text` has written."""
+    try:
+        header, *texts = path.read_text(encoding='utf-8').splitlines()
+        lines = [_parsed(text) for text in texts]
+    except (OSError, ValueError) as error:
+        raise TableError(f'{path}: cannot be gone on with ({error}): it is no book of a bench') from error
+    if header != ','.join(_COLUMNS):
+        raise TableError(f'{path}: has other columns than the book of a bench')
+    return lines
+
+
+def _parsed(text: str) -> BookLine:
+    if text.startswith(_STRUCK):
+        return WrittenRow(_row(text.removeprefix(_STRUCK)), struck=True)
+    return text.removeprefix(_NOTE) if text.startswith(_NOTE) else WrittenRow(_row(text))
+
+
+def _row(text: str) -> Row:
+    numbers = [float(cell) if cell else math.nan for cell in text.split(',')]
+    values: dict[str, Any] = dict(zip(_COLUMNS, numbers, strict=True))
+    return Row(**values | {name: int(values[name]) for name in ('run', 'swings')})
+
+
 def _text(line: BookLine) -> str:
     if isinstance(line, str):
-        return f'# {line}'
-    return f'# struck out: {_line(line.row)}' if line.struck else _line(line.row)
+        return f'{_NOTE}{line}'
+    return f'{_STRUCK}{_line(line.row)}' if line.struck else _line(line.row)
 
 
 def _line(row: Row) -> str:

@@ -62,9 +62,9 @@ def knobs(state: BenchState, now: float, width: int, height: int) -> Text:  # no
 
     line('speed asked', f'{state.speed:.6g} RPM')
     line('release angle', f'{state.release:.4g} rad')
-    line('lamp dial', f'{state.dial_reading:.{0 if state.graduation else 1}f} /min', 'bold yellow')
-    if state.graduation:
-        for part in draw_dial(state.dial, state.graduation, min(width - 2, 33)):
+    line('lamp dial', f'{state.dial_reading:.{0 if state.lamp_dial.graduation else 1}f} /min', 'bold yellow')
+    if state.lamp_dial.graduation:
+        for part in draw_dial(state.dial, state.lamp_dial.graduation, min(width - 2, 33)):
             text.append(f'{part}\n', 'dim')
     line(f'images  {state.images}', f'→ shaft {state.forcing:.6g} RPM')
     line('stopwatch', f'{state.watch.shown(now):.2f} s{"  runs" if state.watch.runs else ""}', 'bold green')

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.bench.app import BenchApp
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
 from kapitsa_ros.bench.bench_state import BenchState
+from kapitsa_ros.bench.notebook import Notebook
 from kapitsa_ros.bench.terminal import own_terminal, require_terminal
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.rig.errors import RigError
@@ -36,7 +37,7 @@ def work_at_bench(  # noqa: PLR0917  # the command's options
 
     """
     refuse_old_runs(bags)
-    state = BenchState(plant, instruments, table, rate)
+    state = BenchState(plant, instruments, Notebook(table), rate)
     require_terminal()
     make_writable(bags)
     with Rig(plant, instruments, seed, rate, bags=bags, protocol=MANUAL, composed=composed) as rig, own_terminal():

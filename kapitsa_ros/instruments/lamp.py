@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
@@ -87,8 +87,7 @@ class Lamp:
         if not times.size:
             return
         self._last = float(times[-1])
-        grid = pivot.period * np.arange(pivot.position.size)
-        heights = CubicHermiteSpline(grid, pivot.position, pivot.rate)(times - start) / self._amplitude
+        heights = mark_heights(pivot, times - start) / self._amplitude
         kept = self._times > self._end - _KEPT
         self._times = np.concatenate((self._times[kept], times))
         self._heights = np.concatenate((self._heights[kept], heights))
@@ -130,3 +129,10 @@ class Lamp:
     def _darken(self) -> None:
         self._last = -math.inf
         self._times, self._heights = np.empty(0), np.empty(0)
+
+
+def mark_heights(pivot: SampledMotion, times: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+    """Return where the mark is, m, at times since the beginning of a block, s."""
+    grid = pivot.period * np.arange(pivot.position.size)
+    heights: NDArray[np.float64] = CubicHermiteSpline(grid, pivot.position, pivot.rate)(times)
+    return heights

@@ -154,6 +154,23 @@ class RunBag(StoredRun):
 
         return dataset_of(self, topics)
 
+    def motions(self, begin: int, end: int) -> Iterator[tuple[float, SampledMotion, SampledMotion]]:
+        """Yield start (s of the run) and motions of pendulum and pivot, from step `begin` to before `end`.
+
+        Steps that lack either motion are left out.
+
+        Raises
+        ------
+        BagError
+            A block is not what its topic promises.
+
+        """
+        try:
+            for step in self._steps([MOTION.name, PIVOT.name], begin, end):
+                yield step.start, step[MOTION], step[PIVOT]
+        except WireError as error:
+            raise BagError(f'{self.path} is damaged: {error}') from error
+
     def pivot(self) -> Iterator[tuple[StepId, SampledMotion]]:
         """Yield the pivot's motion step by step."""
         for step_id, raw in self._on(PIVOT.name):

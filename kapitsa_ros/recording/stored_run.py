@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
@@ -128,8 +129,15 @@ class StoredRun:
         found = (*self._recording.defects, *self.integrity.defects, *self._index.defects())
         return tuple(map(printable, found))
 
-    def raw(self, *names: str) -> Iterator[tuple[str, int, bytes]]:
+    def raw(self, *names: str, begin: int = 0, end: float = math.inf) -> Iterator[tuple[str, int, bytes]]:
         """Yield topic, stamp of the step (ns) and bytes of the messages on the named topics, in the order of steps.
+
+        Parameters
+        ----------
+        *names
+            Of the topics.
+        begin, end
+            Steps that are wanted, the latter not included.
 
         Raises
         ------
@@ -144,6 +152,8 @@ class StoredRun:
                     yield settings_topic(role), self.first_stamp_ns, encode_settings(text)
             topics = [topic.name for topic in RECORDED if topic.name in names]
             for step_id in self._index.ids(topics):
+                if not begin <= step_id.step < end:
+                    continue
                 stamp = self._stamp(step_id)
                 for topic in topics:
                     message = self._index.find(topic, step_id)
@@ -232,9 +242,10 @@ class StoredRun:
             if not step_id.end:
                 yield step_id, raw
 
-    def _steps(self, topics: list[str]) -> Iterator[Step]:
-        """Yield the steps that have a message on all of the topics."""
-        for step_id, messages in groupby(self.raw(*topics), key=lambda message: read_step_id(message[2])):
+    def _steps(self, topics: list[str], begin: int = 0, end: float = math.inf) -> Iterator[Step]:
+        """Yield the steps that have a message on all of the topics, from `begin` to before `end`."""
+        found = self.raw(*topics, begin=begin, end=end)
+        for step_id, messages in groupby(found, key=lambda message: read_step_id(message[2])):
             raw = {topic: data for topic, _, data in messages}
             if len(raw) == len(topics) and not step_id.end:
                 yield Step(step_id, raw)

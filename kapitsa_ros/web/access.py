@@ -7,7 +7,7 @@ import secrets
 import socket
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-from urllib.parse import urlsplit
+from urllib.parse import urlencode, urlsplit
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,10 +35,14 @@ class Access:
     @property
     def url(self) -> str:
         """The link to the page."""
+        return self.link('', **({'token': self.token} if self.token else {}))
+
+    def link(self, page: str, **query: str) -> str:
+        """Return the link to a page by its name, with a query."""
         wildcard = host_is_wildcard(self.host)
         name = socket.gethostname() if wildcard else self.host
         shown = f'[{name}]' if ':' in name else name
-        return f'http://{shown}:{self.port}/' + (f'?token={self.token}' if self.token else '')
+        return f'http://{shown}:{self.port}/{page}' + (f'?{urlencode(query)}' if query else '')
 
     def refusal(self, headers: Mapping[str, str], query: Mapping[str, str], *, public: bool) -> str | None:
         """Return why a request is refused; None where it is not.
@@ -53,7 +57,7 @@ class Access:
         """
         host = headers.get('host', '')
         if not self._is_ours(host):
-            return f'this bench is at {self.host}:{self.port}, and answers to no other name'
+            return f'this is {self.host}:{self.port}, which answers to no other name'
         origin = headers.get('origin')
         if origin is not None and origin != f'http://{host}':  # whatever is no browser sends none
             return 'the request comes from another page'
@@ -62,7 +66,7 @@ class Access:
             and not public
             and not secrets.compare_digest(query.get('token', '').encode(), self.token.encode())
         ):
-            return 'the link lacks the token of this bench: use the one that `kapitsa bench` printed'
+            return 'the link lacks its token: use the link that `kapitsa` printed'
         return None
 
     def _is_ours(self, host: str) -> bool:

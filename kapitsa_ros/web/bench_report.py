@@ -7,16 +7,13 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.bench.bench_state import FASTEST
-from kapitsa_ros.bench.message import Message
 from kapitsa_ros.bench.notebook import WrittenRow
 from kapitsa_ros.instruments.lamp import AFTERIMAGE
-from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.units import RPM
 from kapitsa_ros.web.catalogue import words_of
+from kapitsa_ros.web.reading_message import reading_message
 
 if TYPE_CHECKING:
     from kapitsa_ros.bench.bench_state import BenchState
-    from kapitsa_ros.instruments.stopwatch import StopwatchReading
     from kapitsa_ros.web.page_client import PageClient
     from kapitsa_ros.web.web_bench import WebBench
 
@@ -44,9 +41,9 @@ def _knobs(state: BenchState, now: float) -> dict[str, Any]:
         'angle': state.release,
         'dial': state.dial,
         'dial_reading': state.dial_reading,
-        'dial_end': state.dial_end,
-        'graduation': state.graduation,
-        'touch': state.touch,
+        'dial_end': state.lamp_dial.end,
+        'graduation': state.lamp_dial.graduation,
+        'touch': state.lamp_dial.touch,
         'images': state.images,
         'forcing': state.forcing,
         'swings': state.swings,
@@ -66,15 +63,15 @@ def _rig(bench: WebBench, page: PageClient, words: dict[str, str]) -> dict[str, 
         'runs': bench.runs,
         'paused': state.paused,
         'pace': state.clock.rate,
-        'length': bench.plant.length,
-        'amplitude': bench.plant.amplitude,
+        'length': bench.setup.shown.length,
+        'amplitude': bench.setup.shown.amplitude,
         'afterimage': AFTERIMAGE,
-        'mark_width': bench.instruments.strobe.mark_width,
+        'mark_width': bench.setup.instruments.strobe.mark_width,
         'works': bench.pages.works(page),
-        'failure': bench.failure,
+        'failure': None if bench.failure is None else bench.failure.said_by(words),
         'plot_seen': bench.plot_seen,
         'rig_readings_seen': bench.rig_readings_seen,
-        'rig_readings': [_reading(run, reading).said_by(words) for run, reading in readings],
+        'rig_readings': [reading_message(run, reading).said_by(words) for run, reading in readings],
     }
 
 
@@ -95,26 +92,3 @@ def _book(state: BenchState) -> dict[str, Any]:
             for line in state.notebook.lines
         ]
     }
-
-
-_ENDS = {
-    'fell': 'run {run}, {time:.1f} s: the pendulum fell',
-    'stopped': 'run {run}, {time:.1f} s: the pendulum stopped swinging',
-}
-
-
-def _reading(run: int, reading: StrobeReading | StopwatchReading) -> Message:
-    if isinstance(reading, StrobeReading):
-        return Message(
-            'run {run}, {time:.1f} s: strobe {rpm:.6g} RPM', run=run, time=reading.time, rpm=reading.speed / RPM
-        )
-    if reading.kind != 'timed':
-        return Message(_ENDS[reading.kind], run=run, time=reading.pressed_at)
-    return Message(
-        'run {run}, {time:.1f} s: {swings} swings in {shown:.2f} s, a period of {period:.3f} s',
-        run=run,
-        time=reading.pressed_at,
-        swings=reading.swings,
-        shown=reading.displayed,
-        period=reading.displayed / reading.swings,
-    )

@@ -5,11 +5,9 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from kapitsa_ros.bench.message import Message
 from kapitsa_ros.errors import KapitsaError
-from kapitsa_ros.units import RPM, decimals_within
+from kapitsa_ros.web.fit_values import fit_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,13 +28,15 @@ class BookFit:
     ----------
     plant
         Its amplitude is the ruler's, and theory predicts for it.
+    amplitude_sigma
+        Standard uncertainty of that amplitude, m.
     on_change
         Called in the event loop whenever there is another fit.
 
     """
 
-    def __init__(self, plant: Plant, on_change: Callable[[], None]) -> None:
-        self._plant = plant
+    def __init__(self, plant: Plant, amplitude_sigma: float, on_change: Callable[[], None]) -> None:
+        self._plant, self._amplitude_sigma = plant, amplitude_sigma
         self._on_change = on_change
         self._values: dict[str, Any] = {}
         self._why = _TOO_FEW
@@ -60,30 +60,16 @@ class BookFit:
             why = _TOO_FEW
             if readings >= _READINGS:
                 try:
-                    values = _told(await asyncio.to_thread(_reduced, table, self._plant))
+                    values = fit_values(await asyncio.to_thread(_reduced, table, self._plant, self._amplitude_sigma))
                 except (KapitsaError, OSError) as error:
                     why = Message(str(error))
             self._values, self._why = values, why
             self._on_change()
 
 
-def _reduced(table: Path, plant: Plant) -> Reduction:
+def _reduced(table: Path, plant: Plant, amplitude_sigma: float) -> Reduction:
     # Half a second, for which the first picture need not wait.
     from kapitsa_ros._api.reduce import reduce  # noqa: PLC0415
     from kapitsa_ros.configuration.tables import read_timings  # noqa: PLC0415
 
-    return reduce(read_timings(table), plant)
-
-
-def _told(found: Reduction) -> dict[str, Any]:
-    readings = found.readings
-    return {
-        'omega_crit_rpm': found.omega_crit / RPM,
-        'decimals': decimals_within(found.omega_crit_interval, RPM),
-        'interval_rpm': [None if end is None else end / RPM for end in found.omega_crit_interval],
-        'inverse_rpm': None if found.inverse_ols is None else found.inverse_ols / RPM,
-        'slope': None if found.line is None else found.line.slope,
-        'forcing_rpm': (readings.forcing / RPM).tolist(),
-        'slow_rpm': (2.0 * np.pi / readings.period / RPM).tolist(),
-        'warnings': list(found.warnings),
-    }
+    return reduce(read_timings(table), plant, amplitude_sigma=amplitude_sigma)

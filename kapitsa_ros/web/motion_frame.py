@@ -21,6 +21,8 @@ def encode_motion(
     pendulum: SampledMotion,
     pivot: SampledMotion,
     flashes: tuple[NDArray[np.float64], NDArray[np.float64]],
+    *,
+    scale: float = 1.0,
 ) -> bytes:
     """Put a step into a binary frame: `HEADER`, then float32 in little-endian order.
 
@@ -34,6 +36,8 @@ def encode_motion(
         Angle, rad, and height, m; of one size.
     flashes
         Times, s of the run, and heights of the mark, in amplitudes.
+    scale
+        By which the heights of the pivot are told larger than they are.
 
     Returns
     -------
@@ -42,6 +46,6 @@ def encode_motion(
 
     """
     times, heights = flashes
-    parts = [pendulum.position, pivot.position, times - start, heights]
+    parts = [pendulum.position, scale * pivot.position, times - start, heights]
     header = HEADER.pack(run, pendulum.position.size, start, pendulum.period, times.size)
     return header + b''.join(part.astype('<f4').tobytes() for part in parts)

@@ -32,6 +32,9 @@ async def carry_out(bench: WebBench, request: PageRequest) -> None:
     if request.name == 'repair':
         await bench.repair()
         return
+    if request.name == 'hand-in':
+        bench.hand_in(request.value)
+        return
     if bench.controls is None or bench.failure is not None:
         raise PageRequestError('there is no rig: begin the next run')
     try:
@@ -50,7 +53,7 @@ def _turn_dial(bench: WebBench, controls: BenchControls, value: Any) -> None:  #
 
 
 def _touch_dial(bench: WebBench, controls: BenchControls, value: float) -> None:  # noqa: ARG001
-    bench.state.turn_dial(bench.state.dial + value * bench.state.touch)
+    bench.state.turn_dial(bench.state.dial + value * bench.state.lamp_dial.touch)
 
 
 def _set_angle(bench: WebBench, controls: BenchControls, value: Any) -> None:  # noqa: ARG001

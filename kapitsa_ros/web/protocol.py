@@ -12,6 +12,7 @@ LARGEST_FRAME = 1024
 """Bytes."""
 _LONGEST_TEXT = 40
 _LARGEST = 1e9
+_MOST_NAMES = 3
 _VALUES: dict[str, tuple[type, ...]] = {
     'speed': (str, float),
     'dial': (str, float),
@@ -31,6 +32,7 @@ _VALUES: dict[str, tuple[type, ...]] = {
     'rig-readings': (),
     'look': (),
     'repair': (),
+    'hand-in': (dict,),
 }
 """Requests by name, and what their value may be; an int counts as a float too."""
 
@@ -41,7 +43,7 @@ class PageRequest:
 
     name: str
     value: Any = None
-    """A finite number, a short text, or None."""
+    """A finite number, a short text, None, or a few numbers or texts by name."""
 
 
 def parse_request(frame: str) -> PageRequest:
@@ -70,11 +72,19 @@ def parse_request(frame: str) -> PageRequest:
 
 def _value(name: str, value: Any) -> Any:
     kinds = _VALUES[name]
-    number: Any = value
     if not kinds:
         if value is not None:
             raise PageRequestError(f'{name}: takes no value')
         return None
+    if kinds == (dict,):
+        if not isinstance(value, dict) or len(value) > _MOST_NAMES:
+            raise PageRequestError(f'{name}: needs {_MOST_NAMES} values by their names')
+        return {each[:_LONGEST_TEXT]: _checked(name, item, (str, float)) for each, item in value.items()}
+    return _checked(name, value, kinds)
+
+
+def _checked(name: str, value: Any, kinds: tuple[type, ...]) -> Any:
+    number: Any = value
     if isinstance(value, bool) or not isinstance(value, (*kinds, *((int,) if float in kinds else ()))):
         raise PageRequestError(f'{name}: needs a {"whole number" if kinds == (int,) else "number"}')
     if isinstance(value, str):

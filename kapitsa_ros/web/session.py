@@ -3,35 +3,26 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import signal
-import socket
-import webbrowser
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 import click
-import uvicorn
 
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
-from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.bench.notebook import Notebook
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
-from kapitsa_ros.web.protocol import LARGEST_FRAME
+from kapitsa_ros.web.bench_setup import BenchSetup
 from kapitsa_ros.web.server import application
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
 from kapitsa_ros.web.web_bench import WebBench
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    import socket
     from pathlib import Path
 
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
-
-PORT = 8097
-"""Where the bench is looked for first."""
-_GRACE = 2
-"""Seconds that pages are given to close."""
 
 
 def serve_bench(  # noqa: PLR0917  # the command's options
@@ -73,78 +64,40 @@ def serve_bench(  # noqa: PLR0917  # the command's options
     refuse_old_runs(bags)
 
     async def serve(listening: socket.socket) -> None:
-        bench = WebBench(plant, instruments, seed, rate, bags, table, composed=composed)
+        setup = BenchSetup(
+            plant=plant,
+            instruments=instruments,
+            seed=seed,
+            rate=rate,
+            bags=bags,
+            shown=plant,
+            composed=composed,
+        )
+        bench = WebBench(setup, Notebook(table))
         make_writable(bags)
         access = Access.of(host, listening.getsockname()[1])
         click.echo(f'bench: {access.url}')
-        if open_page and (os.environ.get('DISPLAY') or os.environ.get('WAYLAND_DISPLAY')):
-            await asyncio.to_thread(webbrowser.open, access.url)
-        if await _serve(bench, access, listening):
+        if open_page:
+            await open_in_browser(access.url)
+        leaving = Leaving()
+        await _serve(bench, access, listening, leaving)
+        if not leaving.hung_up:
             print_what_is_left(bench.folders, bench.state.notebook)
 
-    with closing(_listen(host, port)) as listening:
+    with closing(listen(host, port)) as listening:
         asyncio.run(serve(listening))
 
 
-async def _serve(bench: WebBench, access: Access, listening: socket.socket) -> bool:
-    """Serve until a signal comes, or the rig cannot be started; return whether somebody still listens."""
-    left = asyncio.Event()
-    heard: set[int] = set()
-
-    def leave(number: int) -> None:
-        heard.add(number)
-        left.set()
-
-    loop = asyncio.get_running_loop()
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        loop.add_signal_handler(number, leave, number)
-    server = _Server(
-        uvicorn.Config(
-            application(bench, access),
-            log_level='error',
-            lifespan='off',
-            ws_max_size=LARGEST_FRAME,
-            ws_max_queue=16,
-            ws_per_message_deflate=False,
-            limit_concurrency=64,
-            timeout_graceful_shutdown=_GRACE,
-            server_header=False,
-        )
-    )
-    serving = asyncio.create_task(server.serve(sockets=[listening]))
-    telling = asyncio.create_task(bench.tell_pages())
-    leaving = asyncio.create_task(left.wait())
-    starting = asyncio.create_task(bench.start())
-    try:
-        await asyncio.wait({starting, leaving}, return_when=asyncio.FIRST_COMPLETED)
-        await starting
-        await asyncio.wait({serving, leaving}, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        await bench.end()
-        server.should_exit = True
-        await serving
-        for task in (telling, leaving):
-            task.cancel()
-            with suppress(asyncio.CancelledError):
-                await task
-    return signal.SIGHUP not in heard
-
-
-class _Server(uvicorn.Server):
-    """A server that leaves signals to whoever runs it."""
-
-    @contextmanager
-    def capture_signals(self) -> Iterator[None]:
-        yield
-
-
-def _listen(host: str, port: int | None) -> socket.socket:
-    family = socket.AF_INET6 if ':' in host else socket.AF_INET
-    wanted = [PORT, 0] if port is None else [port]
-    for each in wanted:
+async def _serve(bench: WebBench, access: Access, listening: socket.socket, leaving: Leaving) -> None:
+    """Serve until a signal comes, or the rig cannot be started."""
+    async with serving(application(bench, access), listening) as server:
+        telling = asyncio.create_task(bench.tell_pages())
+        asked_to_leave = asyncio.create_task(leaving.wait())
+        starting = asyncio.create_task(bench.start())
         try:
-            return socket.create_server((host, each), family=family)
-        except OSError as error:
-            if each == wanted[-1]:
-                raise UsageError(f'{host}, port {each}: cannot be listened on ({error.strerror or error})') from error
-    raise AssertionError
+            await asyncio.wait({starting, asked_to_leave}, return_when=asyncio.FIRST_COMPLETED)
+            await starting
+            await asyncio.wait({server, asked_to_leave}, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            await bench.end()
+            await cancelled(telling, asked_to_leave)

@@ -7,10 +7,11 @@ import math
 import time
 from collections import deque
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.bench_state import BenchState
+from kapitsa_ros.bench.message import Message
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.operator.protocol import MANUAL
@@ -18,19 +19,19 @@ from kapitsa_ros.rig.harness import Rig
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.bench_report import report
 from kapitsa_ros.web.book_fit import BookFit
+from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.motion_frame import encode_motion
 from kapitsa_ros.web.page_clients import PageClients
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
-    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.bench.notebook import Notebook
     from kapitsa_ros.network.step_id import StepId
-    from kapitsa_ros.physics.plant import Plant
     from kapitsa_ros.physics.sampled_motion import SampledMotion
     from kapitsa_ros.rig.errors import RigError
     from kapitsa_ros.ros.rig_client import News
+    from kapitsa_ros.web.bench_setup import BenchSetup
     from kapitsa_ros.web.page_client import PageClient
 
 _TOLD_EVERY = 0.04
@@ -46,39 +47,26 @@ class WebBench:
 
     Parameters
     ----------
-    plant, instruments, seed, rate
-        Of the rig.
-    bags
-        Folder for its runs.
-    table
+    setup
+        Of its rig.
+    notebook
         Where the person's readings go.
 
     """
 
-    def __init__(  # noqa: PLR0917  # as the command's options
-        self,
-        plant: Plant,
-        instruments: Instruments,
-        seed: int,
-        rate: float,
-        bags: Path,
-        table: Path,
-        *,
-        composed: bool = False,
-    ) -> None:
-        self.plant, self.instruments = plant, instruments
-        self._seed, self._composed = seed, composed
-        self.state = BenchState(plant, instruments, table, rate)
+    def __init__(self, setup: BenchSetup, notebook: Notebook) -> None:
+        self.setup = setup
+        self.state = BenchState(setup.plant, setup.instruments, notebook, setup.rate)
         self.pages = PageClients()
-        self.folders = [bags]
+        self.folders = [setup.bags]
         """Of the runs: one a rig."""
-        self.failure: str | None = None
+        self.failure: Message | None = None
         """What the rig died of; None while it lives."""
         self.plot_seen = False
         """Whether the person looks at θ(t)."""
         self.rig_readings_seen = False
         """Whether the person looks at what the rig's own instruments read."""
-        self.fit = BookFit(plant, self.changed)
+        self.fit = BookFit(setup.shown, setup.amplitude_sigma, self.changed)
         self.controls: BenchControls | None = None
         self._rig: Rig | None = None
         self._pivot: tuple[StepId, SampledMotion] | None = None
@@ -103,14 +91,15 @@ class WebBench:
         """
         folder, rate = self.folders[-1], self.state.clock.rate
         make_writable(folder)
+        setup = self.setup
         rig = Rig(
-            self.plant,
-            self.instruments,
-            self._seed,
+            setup.plant,
+            setup.instruments,
+            setup.seed,
             rate,
             bags=folder,
             protocol=MANUAL,
-            composed=self._composed,
+            composed=setup.composed,
         )
         self._rig = await asyncio.to_thread(rig.__enter__)
         self.controls = BenchControls(self._rig, self.state, self._post, self._receive_failure, self._receive)
@@ -136,17 +125,32 @@ class WebBench:
             await self._stop_rig()
             speed = self.state.speed
             self.state.runs_before = self.state.run
-            self.folders.append(self.folders[0] / f'rig_{len(self.folders) + 1}')
+            self.add_folder()
             self.state.set_paused(paused=False)
             try:
                 await self.start()
             except (KapitsaError, OSError) as error:
-                self.failure = str(error)
+                self.failure = Message(str(error))
             else:
                 self.failure = None
                 if speed and self.controls is not None:
                     self.controls.set_speed(speed)
         self.changed()
+
+    def hand_in(self, values: dict[str, Any]) -> None:  # noqa: ARG002
+        """Take what the person hands in.
+
+        Raises
+        ------
+        PageRequestError
+            There is nobody to hand it to.
+
+        """
+        raise PageRequestError('this bench is of no class: there is nobody to hand in to')
+
+    def add_folder(self) -> None:
+        """Let the runs of the next rig go to a folder of its own."""
+        self.folders.append(self.folders[0] / f'rig_{len(self.folders) + 1}')
 
     def now(self) -> float:
         """Return the simulated time, s of the run."""
@@ -170,10 +174,14 @@ class WebBench:
             with suppress(TimeoutError):  # somebody may have left
                 await asyncio.wait_for(self._changed.wait(), 1.0)
             self._changed.clear()
-            self.pages.hand_on(time.monotonic())
-            for page in self.pages:
-                self.tell(page)
+            self.tell_all()
             await asyncio.sleep(_TOLD_EVERY)
+
+    def tell_all(self) -> None:
+        """Tell all pages how things are."""
+        self.pages.hand_on(time.monotonic())
+        for page in self.pages:
+            self.tell(page)
 
     def tell(self, page: PageClient) -> None:
         """Tell a page how things are."""
@@ -200,13 +208,15 @@ class WebBench:
     def _show(self, step_id: StepId, pendulum: SampledMotion, pivot: SampledMotion) -> None:
         start = step_id.step * pendulum.duration
         flashes = self.state.lamp.flashes(start, start + pendulum.duration)
-        frame = encode_motion(self.state.runs_before + step_id.run, start, pendulum, pivot, flashes)
+        frame = encode_motion(
+            self.state.runs_before + step_id.run, start, pendulum, pivot, flashes, scale=self.setup.scale
+        )
         self._recent.append(frame)
         for page in self.pages:
             page.show(frame)
 
     def _receive_failure(self, error: RigError) -> None:
-        self.failure = str(error)
+        self.failure = Message(str(error))
         self.changed()
 
     async def _stop_rig(self) -> None:

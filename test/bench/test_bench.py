@@ -188,7 +188,7 @@ def test_a_notebook_overwrites_nothing(tmp_path: Path):
 
 @pytest.fixture
 def state(tmp_path: Path) -> BenchState:
-    return BenchState(Plant(), OF_1997, tmp_path / 'mine.csv', 1.0)
+    return BenchState(Plant(), OF_1997, Notebook(tmp_path / 'mine.csv'), 1.0)
 
 
 class Graph:
@@ -226,9 +226,9 @@ def test_a_person_reads_the_dial_to_its_graduations(state: BenchState):
     assert (shares >= state.faintest).all()
     assert state.forcing == 2240
     for _ in range(2):
-        state.turn_dial(state.dial + state.touch)
+        state.turn_dial(state.dial + state.lamp_dial.touch)
     assert (state.dial, state.dial_reading) == (pytest.approx(4488), pytest.approx(4480))
-    state.turn_dial(state.dial + state.touch)
+    state.turn_dial(state.dial + state.lamp_dial.touch)
     assert state.forcing == 2250
     state.images = 3
     assert state.forcing == 1500
@@ -404,7 +404,7 @@ def in_front_of(
 
 def test_a_laboratory_by_hand(tmp_path: Path, kapitsa: Callable[..., Any]):
     """Two speeds, read by the person, reduced from their table; replaying the bags gives what the rig said."""
-    state = BenchState(Plant(), load_instruments('ideal'), tmp_path / 'mine.csv', 10.0)
+    state = BenchState(Plant(), load_instruments('ideal'), Notebook(tmp_path / 'mine.csv'), 10.0)
 
     def read_in(run: int) -> int:
         return sum(of == run for of, _ in state.rig_readings)
@@ -477,7 +477,7 @@ def tells_what_was_read(report: str, values: dict[str, Any]) -> None:
 
 
 def test_the_screen_says_what_is_wrong(tmp_path: Path):
-    state = BenchState(Plant(), OF_1997, tmp_path / 'mine.csv', 1.0)
+    state = BenchState(Plant(), OF_1997, Notebook(tmp_path / 'mine.csv'), 1.0)
 
     async def work(person: Person, pilot: Pilot[Any]) -> None:
         person.press('up')

@@ -52,6 +52,8 @@ def one_line(answer: Any, status: int, *words: str) -> None:
         (['node', 'perpetuum'], ['jigsaw', 'player']),
         (['perpetuate'], ['perpetuate']),
         (['bag', 'info', '/nowhere'], ['/nowhere']),
+        (['serve', '--class', '/no/such.yaml'], ['/no/such.yaml', 'cannot be read']),
+        (['replay', 'A', '--port', '8097'], ['--port', '--web']),
     ],
     ids=lambda value: ' '.join(value) if isinstance(value, list) else None,
 )

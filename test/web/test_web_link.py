@@ -1,12 +1,10 @@
 """The server of a bench, talked to without a browser."""
 
-import json
 import os
 import signal
 import socket
-import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -14,63 +12,22 @@ import pytest
 pytest.importorskip('starlette')
 pytest.importorskip('uvicorn')
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
 
 PATIENCE = 60.0
 pytestmark = pytest.mark.xdist_group('web')
 
 
-class Page:
-    """A client of the bench that is no browser."""
-
-    def __init__(self, bench: Any, key: str) -> None:
-        self._stack = ExitStack()
-        self.link: ClientConnection = self._stack.enter_context(
-            connect(f'{bench.link}?key={key}', max_size=None, max_queue=None)
-        )
-        self.told: dict[str, dict[str, Any]] = {}
-        self.motions = 0
-
-    def close(self) -> None:
-        self._stack.close()
-
-    def ask(self, name: str, value: Any = None) -> None:
-        self.link.send(json.dumps({'do': name} if value is None else {'do': name, 'value': value}))
-
-    def until(self, true: Callable[[], Any]) -> None:
-        deadline = time.monotonic() + PATIENCE
-        while not true():
-            frame = self.link.recv(timeout=deadline - time.monotonic())
-            if isinstance(frame, bytes):
-                self.motions += 1
-            else:
-                report = json.loads(frame)
-                self.told[report['kind']] = report
-
-    def refused(self, why: str) -> None:
-        self.until(lambda: why in self.told.get('refusal', {}).get('why', ''))
-
-    def closed(self) -> tuple[int, str]:
-        with pytest.raises(ConnectionClosed) as closed:
-            self.until(lambda: False)
-        assert closed.value.rcvd is not None
-        return closed.value.rcvd.code, closed.value.rcvd.reason
-
-    def works(self) -> bool:
-        return bool(self.told.get('rig', {}).get('works'))
-
-
 @pytest.fixture
-def page(bench: Any) -> Iterator['Page']:
+def page(bench: Any, link_to: Callable[..., Any]) -> Any:
     """The page that works the bench."""
     bench.wait()
-    page = Page(bench, 'one')
+    page = link_to(bench, 'one')
     page.until(page.works)
-    yield page
-    page.close()
+    return page
 
 
-def test_the_bench_is_worked_through_the_link(page: Page) -> None:
+def test_the_bench_is_worked_through_the_link(page: Any) -> None:
     page.ask('pace', 4)
     page.ask('speed', '37.5Hz')
     page.until(lambda: page.told['knobs']['speed'] == pytest.approx(2250))
@@ -98,7 +55,7 @@ def test_the_bench_is_worked_through_the_link(page: Page) -> None:
         ('watch', 'soon', 'needs a number'),
     ],
 )
-def test_what_cannot_be_done_is_refused_with_its_reason(page: Page, name: str, value: Any, why: str) -> None:
+def test_what_cannot_be_done_is_refused_with_its_reason(page: Any, name: str, value: Any, why: str) -> None:
     knobs = dict(page.told['knobs'])
     page.ask(name, value)
     page.refused(why)
@@ -107,17 +64,17 @@ def test_what_cannot_be_done_is_refused_with_its_reason(page: Page, name: str, v
     }
 
 
-def test_frames_that_are_no_requests_are_refused(page: Page) -> None:
+def test_frames_that_are_no_requests_are_refused(page: Any) -> None:
     page.link.send('{"do": "dial", "value": NaN}')
     page.refused('NaN is no number')
     page.link.send(b'\0\1\2')
     assert page.closed() == (1003, 'requests are text: one JSON object a frame')
 
 
-def test_a_frame_that_is_too_long_ends_the_link(bench: Any, page: Page) -> None:
+def test_a_frame_that_is_too_long_ends_the_link(bench: Any, page: Any, link_to: Callable[..., Any]) -> None:
     page.link.send('"' + 2000 * 'x' + '"')
     assert page.closed()[0] == 1009
-    second = Page(bench, 'one')
+    second = link_to(bench, 'one')
     second.until(second.works)
     with suppress(ConnectionClosed):  # before all of it was sent: then the reason may be lost
         second.link.send('"' + 10_000_000 * 'x' + '"')
@@ -126,7 +83,7 @@ def test_a_frame_that_is_too_long_ends_the_link(bench: Any, page: Page) -> None:
     assert bench.get('health')[0] == 200
 
 
-def test_a_thousand_requests_at_once_are_bounded(page: Page) -> None:
+def test_a_thousand_requests_at_once_are_bounded(page: Any) -> None:
     for _ in range(300):
         page.ask('touch', 1)
     page.refused('more than 50 requests a second')
@@ -136,8 +93,8 @@ def test_a_thousand_requests_at_once_are_bounded(page: Page) -> None:
     assert page.closed()[0] == 1008
 
 
-def test_a_second_page_watches(bench: Any, page: Page) -> None:
-    second = Page(bench, 'two')
+def test_a_second_page_watches(bench: Any, page: Any, link_to: Callable[..., Any]) -> None:
+    second = link_to(bench, 'two')
     second.until(lambda: 'rig' in second.told and second.motions > 2)
     assert not second.works()
     second.ask('speed', 1000)
@@ -146,12 +103,12 @@ def test_a_second_page_watches(bench: Any, page: Page) -> None:
     assert page.works()
 
 
-def test_after_a_lost_link_run_and_book_are_the_same(bench: Any, page: Page) -> None:
+def test_after_a_lost_link_run_and_book_are_the_same(bench: Any, page: Any, link_to: Callable[..., Any]) -> None:
     page.ask('angle', 0.2)
     page.until(lambda: page.told['knobs']['angle'] == 0.2)
     run = page.told['rig']['run']
     page.close()
-    again = Page(bench, 'one')
+    again = link_to(bench, 'one')
     again.until(lambda: again.works() and 'knobs' in again.told and 'book' in again.told)
     assert (again.told['rig']['run'], again.told['knobs']['angle']) == (run, 0.2)
     assert again.told['book'] == page.told['book']
@@ -183,7 +140,7 @@ def test_no_path_leads_to_a_file(bench: Any) -> None:
     assert (status, book.splitlines()[0].split(',')[:2]) == (200, ['forcing_rpm', 'period_s'])
 
 
-def test_a_client_that_stops_reading_holds_nobody_up(bench: Any, page: Page) -> None:
+def test_a_client_that_stops_reading_holds_nobody_up(bench: Any, page: Any) -> None:
     deaf = socket.create_connection(('127.0.0.1', int(bench.url.rsplit(':', 1)[1].strip('/'))))
     deaf.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
     deaf.sendall(
@@ -200,7 +157,7 @@ def test_a_client_that_stops_reading_holds_nobody_up(bench: Any, page: Page) -> 
 
 
 def test_a_node_that_dies_is_named_and_the_next_run_has_the_speed_that_was_set(
-    bench: Any, page: Page, processes_of: Callable[[int], dict[str, int]]
+    bench: Any, page: Any, processes_of: Callable[[int], dict[str, int]]
 ) -> None:
     page.ask('speed', 2000)
     page.until(lambda: page.told['knobs']['speed'] == 2000)

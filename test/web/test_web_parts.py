@@ -182,10 +182,12 @@ def test_languages_are_chosen_by_link_then_by_browser() -> None:
 
 def sentences() -> set[str]:
     """Every sentence that a page can show and a catalogue should have, found where it stands."""
-    found = set(re.findall(r'\[\[(.+?)\]\]', (STATIC / 'index.html').read_text(encoding='utf-8')))
+    found: set[str] = set()
+    for page in STATIC.glob('*.html'):
+        found |= set(re.findall(r'\[\[(.+?)\]\]', page.read_text(encoding='utf-8')))
     for script in STATIC.glob('*.js'):
         text = script.read_text(encoding='utf-8')
-        for call in re.findall(r'\bsay\(([^;]*?)\)', text, re.DOTALL):
+        for call in re.findall(r"\bsay\(((?:'[^']*'|[^;'])*?)\)", text):
             found |= set(re.findall(r"'([^']+)'", call))
     for folder in ('bench', 'web'):
         for module in set((PACKAGE / folder).glob('*.py')) - {PACKAGE / 'bench' / 'app.py'}:  # the terminal's own

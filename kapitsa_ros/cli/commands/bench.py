@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.cli.options import SEED, composed_option, instrument_options, plant_options, real_time_option
+from kapitsa_ros.cli.server_options import server_options
 from kapitsa_ros.extras import import_of_extra
 
 if TYPE_CHECKING:
@@ -29,11 +30,7 @@ if TYPE_CHECKING:
 @real_time_option
 @composed_option
 @click.option('--web', is_flag=True, help='in a browser: prints the link, and serves until Ctrl-C')
-@click.option('--host', default='127.0.0.1', show_default=True, help='of --web: address that is listened on')
-@click.option(
-    '--port', type=click.IntRange(0, 65535), help='of --web  [default: 8097, or any that is free]', metavar='NUMBER'
-)
-@click.option('--open/--no-open', 'open_page', default=True, help='of --web: open the page, where there is a display')
+@server_options('of --web: ')
 def bench(
     *,
     plant: Plant,

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined
-from scipy.special import betaincinv
 
 from kapitsa_ros import __version__
+from kapitsa_ros.analysis.share_range import share_range
 from kapitsa_ros.laboratory.campaign_file import OUTCOME_COLUMNS
 from kapitsa_ros.reporting.figures.canvas import BLUE, INK, blank, house_style
 from kapitsa_ros.reporting.report.document import Document, drawings_named
@@ -56,9 +56,7 @@ class Level:
     @property
     def share_range(self) -> tuple[float, float]:
         """95 % range of that share, by Clopper and Pearson."""
-        low = 0.0 if not self.held else float(betaincinv(self.held, self.given - self.held + 1, 0.025))
-        high = 1.0 if self.held == self.given else float(betaincinv(self.held + 1, self.given - self.held, 0.975))
-        return low, high
+        return share_range(self.held, self.given)
 
 
 def level_of(name: str, columns: Mapping[str, NDArray[Any]], chosen: NDArray[np.bool_]) -> Level:

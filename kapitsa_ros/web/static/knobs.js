@@ -1,6 +1,7 @@
 // Buttons, fields and keys, and what is asked for when they are used.
 
-const $ = (id) => document.getElementById(id);
+import { $, put } from './page.js';
+
 const FIELDS = { speed: 'speed', dial: 'dial', release: 'angle', images: 'images', swings: 'swings' };
 const WHOLE = new Set(['images', 'swings']);
 
@@ -12,10 +13,6 @@ export function showKnobs(knobs) {
   put('dial-reading', knobs.dial_reading.toFixed(knobs.graduation ? 0 : 1));
   put('forcing', String(Number(knobs.forcing.toPrecision(6))));
   put('period', knobs.period === null ? '' : `→ ${knobs.period.toFixed(3)} s`);
-}
-
-function put(id, text) {
-  if ($(id).textContent !== text) $(id).textContent = text;
 }
 
 export function bindKnobs(ask, now, bench, { describe, saw }) {

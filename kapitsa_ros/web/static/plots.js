@@ -1,4 +1,4 @@
-// Two plots: the readings with the fitted line, and the angle over time.
+// Plots: the readings with the fitted line, the angle over the last seconds, and over a whole run.
 
 import { prepare } from './drawing.js';
 
@@ -92,4 +92,18 @@ export function drawAngle(canvas, store, time, colors) {
   pen.beginPath();
   seen.forEach(([part, angle], i) => (i ? pen.lineTo(px(part), py(angle)) : pen.moveTo(px(part), py(angle))));
   pen.stroke();
+}
+
+// The range of the angle in each part of a run; what is missing is hatched.
+export function drawOverview(canvas, run, colors) {
+  const { pen, width, height } = prepare(canvas);
+  const parts = run.range_rad;
+  const reach = Math.max(0.05, ...parts.map((ends) => (ends ? Math.max(-ends[0], ends[1]) : 0)));
+  const py = (angle) => height / 2 - (angle / reach) * (height / 2 - 2);
+  const wide = width / Math.max(1, parts.length);
+  parts.forEach((ends, i) => {
+    pen.fillStyle = ends ? colors.accent : colors.line;
+    if (ends) pen.fillRect(i * wide, py(ends[1]), Math.max(1, wide), Math.max(1, py(ends[0]) - py(ends[1])));
+    else if (i % 2) pen.fillRect(i * wide, 0, Math.max(1, wide), height);
+  });
 }

@@ -1,0 +1,39 @@
+"""What stands on a bench, and what the person before it is told of that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.physics.plant import Plant
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchSetup:
+    """A rig and its bench."""
+
+    plant: Plant
+    instruments: Instruments
+    seed: int
+    rate: float
+    """Simulated over wall seconds, at first."""
+    bags: Path
+    """Folder for the runs."""
+    shown: Plant
+    """What the person is told of the plant: it is drawn so, and its stroke is what the fit takes for known."""
+    amplitude_sigma: float = RULER_SIGMA
+    """Standard uncertainty of that stroke, m."""
+
+    composed: bool = False
+    """Whether the nodes share one process."""
+
+    @property
+    def scale(self) -> float:
+        """By which heights are drawn larger than they are."""
+        return self.shown.amplitude / self.plant.amplitude

@@ -1,0 +1,172 @@
+"""The files of a class: what outlives its server, however that ends."""
+
+from __future__ import annotations
+
+import json
+import secrets
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime
+from hashlib import sha256
+from typing import TYPE_CHECKING, Any
+
+import yaml
+
+from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.errors import OPTION
+from kapitsa_ros.output_file import replacing
+from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.preflight import make_writable
+from kapitsa_ros.web.hand_in import HandIn
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kapitsa_ros.configuration.class_settings import ClassSettings, SealedRod
+    from kapitsa_ros.physics.plant import Plant
+
+_LETTERS = 'abcdefghjkmnpqrstuvwxyz23456789'
+"""None that is taken for another when it is read off a blackboard."""
+
+
+@dataclass(kw_only=True)
+class BenchRecord:
+    """How a bench stands."""
+
+    key: str = field(default_factory=lambda: secrets.token_urlsafe(16))
+    """In the link of its student."""
+    told_length: float = 0.0
+    """m."""
+    name: str | None = None
+    """Of its student; None while it is free."""
+    joined: str | None = None
+    """When; ISO 8601."""
+    run: int = 0
+    """The newest."""
+    under_way: bool = False
+    """Whether that run has begun and not ended."""
+    speed_rpm: float = 0.0
+    """Asked for."""
+
+
+class BenchFolder:
+    """The files of one bench.
+
+    Parameters
+    ----------
+    path
+        The folder; it is made, and the rod sealed in it, where it is not there.
+    rod
+        To be sealed.
+
+    """
+
+    def __init__(self, path: Path, rod: SealedRod) -> None:
+        self.path = path
+        self.runs = path / 'runs'
+        self.book = path / 'book.csv'
+        self._sealed, self._record = path / 'sealed.yaml', path / 'bench.json'
+        path.mkdir(exist_ok=True)
+        if not self._sealed.exists():
+            parameters = yaml.safe_dump({'/**': {'ros__parameters': asdict(rod.plant)}}, sort_keys=False)
+            _write(self._sealed, parameters)
+        if not self._record.exists():
+            self.save(BenchRecord(told_length=rod.told_length))
+
+    def sealed(self) -> Plant:
+        """Return the rod that was sealed."""
+        return load_preset(self._sealed)
+
+    def record(self) -> BenchRecord:
+        """Return how the bench stands.
+
+        Raises
+        ------
+        UsageError
+            The file is damaged.
+
+        """
+        return BenchRecord(**_read(self._record))
+
+    def save(self, record: BenchRecord) -> None:
+        """Write how the bench stands, as a whole or not at all."""
+        _write(self._record, json.dumps(asdict(record)))
+
+    def rig_folders(self) -> list[Path]:
+        """Return the folders of runs, one a rig, in their order; the first is there always."""
+        later = sorted(self.runs.glob('rig_*'), key=lambda path: int(path.name.removeprefix('rig_')))
+        return [self.runs, *later]
+
+    def hand_ins(self) -> list[HandIn]:
+        """Return what was handed in, the newest last."""
+        return [HandIn(**_read(path)) for path in sorted(self.path.glob('hand_in_*.json'))]
+
+    def add(self, handed_in: HandIn) -> None:
+        """Keep what is handed in; nothing that was handed in before is touched."""
+        number = len(self.hand_ins()) + 1
+        _write(self.path / f'hand_in_{number:03d}.json', json.dumps(asdict(handed_in)))
+
+
+class ClassFolder:
+    """The folder of a class: gone on with where it is there.
+
+    Parameters
+    ----------
+    path
+        Of the folder.
+    settings
+        Of the class.
+
+    Raises
+    ------
+    UsageError
+        The folder cannot be written, or holds another class or something else.
+
+    """
+
+    def __init__(self, path: Path, settings: ClassSettings) -> None:
+        make_writable(path)
+        self.path = path
+        file = path / 'class.json'
+        identity = sha256(settings.identity.encode()).hexdigest()
+        self.continued = file.exists()
+        """Whether the class was there before."""
+        if not self.continued:
+            if any(path.iterdir()):
+                raise UsageError(
+                    f'{OPTION}: is not empty, and holds no class; give another folder', option='bags', value=path
+                )
+            code = '-'.join(''.join(secrets.choice(_LETTERS) for _ in range(4)) for _ in range(2))
+            _write(file, json.dumps({'identity': identity, 'join_code': code, 'token': secrets.token_urlsafe(18)}))
+        values = _read(file)
+        if values.get('identity') != identity:
+            raise UsageError(f'{OPTION}: holds a class with other rods; give another folder', option='bags', value=path)
+        self.join_code: str = values['join_code']
+        """For students."""
+        self.token: str = values['token']
+        """Of the teacher's link."""
+        self.benches = [
+            BenchFolder(path / f'bench_{number:02d}', settings.rod(number))
+            for number in range(1, settings.numbers.benches + 1)
+        ]
+
+
+def now_text() -> str:
+    """Return the wall time, ISO 8601, to the second."""
+    return datetime.now(UTC).isoformat(timespec='seconds')
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        values = json.loads(path.read_text(encoding='utf-8'))
+    except (OSError, ValueError) as error:
+        raise UsageError(f'{path}: cannot be read ({error}); put it back, or give another --bags') from error
+    if not isinstance(values, dict):
+        raise UsageError(f'{path}: is damaged; put it back, or give another --bags')
+    return values
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file that nobody but its owner reads, as a whole or not at all."""
+    with replacing(path) as draft:
+        draft.touch(mode=0o600)
+        draft.write_text(text, encoding='utf-8')

@@ -1,0 +1,22 @@
+// What a student of a class is told, and hands in.
+
+import { $, put } from './page.js';
+import { say } from './words.js';
+
+export function showClass(report) {
+  $('class').hidden = false;
+  put('told', say('{name}, bench {bench}: your rod is {length} mm long, by a ruler that errs by {error} mm; its stroke, friction, play and inertia are sealed.', {
+    name: report.name, bench: report.bench,
+    length: (1000 * report.told_length).toFixed(1), error: (1000 * report.ruler_error).toFixed(1),
+  }));
+  if (!report.last) return;
+  const [value, low, high] = report.last.map((speed) => String(Number(speed.toPrecision(6))));
+  put('handed-in', say('Handed in: {value} RPM, {low} to {high} RPM (of {count} the last counts)', { count: report.handed_in, value, low, high }));
+}
+
+export function bindHandIn(ask) {
+  $('hand-in').addEventListener('submit', (event) => {
+    event.preventDefault();
+    ask('hand-in', { omega_crit_rpm: $('omega-crit').value, low_rpm: $('low').value, high_rpm: $('high').value });
+  });
+}

@@ -1,0 +1,74 @@
+// What every page with a picture needs.
+
+import { color } from './drawing.js';
+import { say } from './words.js';
+
+const EXPOSURE = 1 / 30; // s of wall time that an eye, and a frame, takes together
+const STILL = 250; // ms between two pictures for those who want less motion
+const PACES = [0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32];
+
+export const $ = (id) => document.getElementById(id);
+export const wall = () => performance.now() / 1000;
+export const query = location.search;
+export const colors = {};
+const less = matchMedia('(prefers-reduced-motion: reduce)');
+
+// Read the colours of the page, now and whenever they change; `redraw` draws what does not move.
+export function followColors(redraw) {
+  const read = () => {
+    for (const name of ['ink', 'faint', 'line', 'accent', 'rod', 'metal']) colors[name] = color(`--${name}`);
+  };
+  read();
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
+    read();
+    redraw();
+  });
+}
+
+// Seconds of the run that are seen together at a pace.
+export function exposure(pace) {
+  return (less.matches ? STILL / 1000 : EXPOSURE) * Math.max(pace, 0.001);
+}
+
+// Draw as often as the display shows it, or now and then for those who want less motion.
+export function drawFrames(ready, draw) {
+  let drawn = 0;
+  let frames = 0;
+  const frame = (stamp) => {
+    requestAnimationFrame(frame);
+    if (!ready() || (less.matches && stamp - drawn < STILL)) return;
+    drawn = stamp;
+    draw();
+    frames += 1;
+    document.documentElement.dataset.frames = String(frames);
+  };
+  requestAnimationFrame(frame);
+}
+
+export function list(id, texts) {
+  const shown = Array.from($(id).children, (item) => item.textContent);
+  if (shown.join('\n') === texts.join('\n')) return;
+  $(id).replaceChildren(...texts.map((text) => Object.assign(document.createElement('li'), { textContent: text })));
+}
+
+export function put(id, text) {
+  if ($(id).textContent !== text) $(id).textContent = text;
+}
+
+export function showPace(pace) {
+  const select = $('pace');
+  const values = PACES.includes(pace) ? PACES : [pace, ...PACES];
+  if (select.options.length !== values.length) {
+    select.replaceChildren(...values.map((value) => new Option(value ? `× ${value}` : '∞', String(value))));
+  }
+  if (document.activeElement !== select) select.value = String(pace);
+}
+
+const LYING = 1.5; // rad
+
+// What is seen at a time of a run, in words.
+export function described(run, time, seen) {
+  const values = { run, time: time.toFixed(1), angle: seen.angle.toFixed(2) };
+  const lies = Math.abs(seen.angle) > LYING;
+  return say(lies ? 'run {run}, {time} s: the rod lies' : 'run {run}, {time} s: the rod is at {angle} rad', values);
+}

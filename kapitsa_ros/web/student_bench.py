@@ -1,0 +1,247 @@
+"""A bench of a class: its rod is sealed, it outlives its server, and it sleeps while nobody looks."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kapitsa_ros.analysis.experiment import true_threshold
+from kapitsa_ros.bench.message import Message
+from kapitsa_ros.bench.notebook import Notebook
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.network.step_clock import SECOND
+from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.naming import run_folders
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.units import RPM
+from kapitsa_ros.web.bench_setup import BenchSetup
+from kapitsa_ros.web.class_folder import now_text
+from kapitsa_ros.web.errors import PageRequestError
+from kapitsa_ros.web.hand_in import HandIn, parse_hand_in
+from kapitsa_ros.web.web_bench import WebBench
+
+if TYPE_CHECKING:
+    from kapitsa_ros.configuration.class_settings import ClassSettings
+    from kapitsa_ros.web.class_folder import BenchFolder
+    from kapitsa_ros.web.page_client import PageClient
+
+SLEEP_AFTER = 20.0
+"""Wall seconds without a page after which time stands still at a bench."""
+MOST_HAND_INS = 100
+_CUT = Message(
+    'the server was ended in run {run}, of which {seconds:.1f} s are recorded; the next run has the speed that was set'
+)
+
+
+class StudentBench(WebBench):
+    """The bench of one student; lives in the event loop.
+
+    Parameters
+    ----------
+    number
+        From 1.
+    folder
+        Of its files; what is there is gone on with.
+    settings
+        Of the class.
+    starts
+        Bounds how many rigs start at a time.
+
+    """
+
+    def __init__(self, number: int, folder: BenchFolder, settings: ClassSettings, starts: asyncio.Semaphore) -> None:
+        self.number = number
+        self.record = folder.record()
+        self.hand_ins = folder.hand_ins()
+        self._folder = folder
+        self._settings = settings
+        self._starts = starts
+        plant = folder.sealed()
+        stroke, sigma = settings.told_amplitude
+        setup = BenchSetup(
+            plant=plant,
+            instruments=settings.instruments,
+            seed=settings.numbers.seed + number,
+            rate=settings.numbers.rate,
+            bags=folder.runs,
+            shown=type(plant)(length=self.record.told_length, amplitude=stroke, gravity=plant.gravity),
+            amplitude_sigma=sigma,
+        )
+        super().__init__(setup, Notebook(folder.book, continued=True))
+        self._begun: asyncio.Task[None] | None = None
+        self._left_at = time.monotonic()
+        self._asleep = False
+        self._truth: float | None = None
+        self._truth_known = False
+        self._said_unwritten = False
+        self._go_on()
+
+    @property
+    def asleep(self) -> bool:
+        """Whether time stands still because nobody looks."""
+        return self._asleep
+
+    @property
+    def is_starting(self) -> bool:
+        """Whether its rig is being started, or waits for its turn."""
+        return self._begun is not None and not self._begun.done()
+
+    def begin(self) -> None:
+        """Start the rig, where there is none and nothing went wrong."""
+        if self._begun is None and self.failure is None:
+            self._begun = asyncio.get_running_loop().create_task(self._begin())
+
+    async def repair(self) -> None:
+        """Start another rig in place of one that died, or was cut off with the server."""
+        async with self._starts:
+            await super().repair()
+
+    async def end(self) -> None:
+        """End the run, so that its bag is complete, and stop the rig."""
+        if self._begun is not None and not self._begun.done():
+            self._begun.cancel()
+            await asyncio.wait({self._begun})
+        under_way = self.runs
+        await super().end()
+        if under_way:
+            self._save(under_way=False)
+
+    def tell_all(self) -> None:
+        """Tell all pages how things are, write them down, and let the bench sleep or wake."""
+        super().tell_all()
+        if self.runs:
+            self._save(under_way=True)
+        self._look_after(time.monotonic())
+
+    def tell(self, page: PageClient) -> None:
+        """Tell a page how things are."""
+        super().tell(page)
+        page.tell('class', json.dumps({'kind': 'class'} | self._told_of_class(), allow_nan=False))
+
+    def hand_in(self, values: dict[str, Any]) -> None:
+        """Take what the student hands in; the last counts, all are kept.
+
+        Raises
+        ------
+        PageRequestError
+            It cannot be meant, or not be kept.
+
+        """
+        value, low, high = parse_hand_in(values)
+        if len(self.hand_ins) >= MOST_HAND_INS:
+            raise PageRequestError(f'{MOST_HAND_INS} were handed in already')
+        book = self.state.notebook
+        handed_in = HandIn(
+            omega_crit_rpm=value,
+            low_rpm=low,
+            high_rpm=high,
+            when=now_text(),
+            readings=len(book.rows),
+            book=book.text(),
+        )
+        try:
+            self._folder.add(handed_in)
+        except OSError as error:
+            raise PageRequestError(f'it could not be kept: {error.strerror}') from error
+        self.hand_ins.append(handed_in)
+        self.state.notify('handed in: {value:.6g} RPM, {low:.6g} to {high:.6g} RPM', value=value, low=low, high=high)
+        self.changed()
+
+    def assign(self, name: str) -> None:
+        """Give the bench to a student.
+
+        Raises
+        ------
+        OSError
+            The disk does not take it.
+
+        """
+        self.record.name, self.record.joined = name, now_text()
+        self._folder.save(self.record)
+
+    async def truth(self) -> float | None:
+        """Return the exact threshold of the sealed rod, RPM; None where it has none."""
+        if not self._truth_known:
+            found = await asyncio.to_thread(true_threshold, self.setup.plant)
+            self._truth, self._truth_known = None if found is None else found / RPM, True
+        return self._truth
+
+    async def _begin(self) -> None:
+        async with self._starts:
+            try:
+                await self.start()
+            except (KapitsaError, OSError) as error:
+                self.failure = Message(str(error))
+        self.changed()
+
+    def _go_on(self) -> None:
+        """Take up where an earlier server left the bench."""
+        if self.state.notebook.rows:
+            self.fit.begin(self.state.notebook.path, len(self.state.notebook.rows))
+        if not self.record.run:
+            return
+        self.folders = self._folder.rig_folders()
+        self.state.run = self.state.runs_before = self.record.run
+        if not self.record.under_way:
+            self.add_folder()
+            return
+        seconds = self._recorded_seconds()
+        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
+        if note not in self.state.notebook.lines:
+            self.state.notebook.note(note)
+        self.state.speed = self.record.speed_rpm
+        self.failure = Message(
+            _CUT,
+            run=self.record.run,
+            seconds=seconds,
+        )
+
+    def _recorded_seconds(self) -> float:
+        try:
+            stamps = RunBag(run_folders([self.folders[-1]])[-1]).motion.stamps_ns
+            return float(np.ptp(stamps)) / SECOND if stamps.size else 0.0
+        except BagError:
+            return 0.0
+
+    def _look_after(self, now: float) -> None:
+        """Let time stand still where nobody has looked for a while, and run again once somebody does."""
+        if list(self.pages):
+            self._left_at = now
+            if self._asleep and self.state.paused and self.controls is not None:
+                self._asleep = False
+                self.controls.toggle_pause()
+        elif now - self._left_at > SLEEP_AFTER and self.runs and not (self._asleep or self.state.paused):
+            self._asleep = True
+            if self.controls is not None:
+                self.controls.toggle_pause()
+
+    def _save(self, *, under_way: bool) -> None:
+        values = {'run': self.state.run, 'under_way': under_way, 'speed_rpm': self.state.speed}
+        if all(getattr(self.record, name) == value for name, value in values.items()):
+            return
+        before = {name: getattr(self.record, name) for name in values}
+        for name, value in values.items():
+            setattr(self.record, name, value)
+        try:
+            self._folder.save(self.record)
+        except OSError as error:
+            for name, value in before.items():
+                setattr(self.record, name, value)
+            if not self._said_unwritten:
+                self._said_unwritten = True
+                self.state.notify('the state of the bench cannot be written: {why}', why=error.strerror)
+
+    def _told_of_class(self) -> dict[str, Any]:
+        last = self.hand_ins[-1] if self.hand_ins else None
+        return {
+            'bench': self.number,
+            'name': self.record.name,
+            'told_length': self.record.told_length,
+            'ruler_error': self._settings.numbers.ruler_error,
+            'handed_in': len(self.hand_ins),
+            'last': None if last is None else [last.omega_crit_rpm, last.low_rpm, last.high_rpm],
+        }
