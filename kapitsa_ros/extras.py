@@ -31,4 +31,6 @@ def import_of_extra(module: str, use: str, extra: str) -> Any:
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition('.')[0] == __name__.partition('.')[0]:
             raise
-        raise MissingPackageError(f'{use} needs {error.name}: pip install "kapitsa_ros[{extra}]"') from error
+        raise MissingPackageError(
+            f'{use} needs {error.name}: run `make setup`, or pip install "kapitsa_ros[{extra}]"'
+        ) from error

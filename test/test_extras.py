@@ -11,7 +11,8 @@ from kapitsa_ros.extras import import_of_extra
 
 def test_a_missing_package_is_named_with_the_extra_that_brings_it():
     with pytest.raises(
-        MissingPackageError, match=r'^a plot needs no_such_package: pip install "kapitsa_ros\[report\]"$'
+        MissingPackageError,
+        match=r'^a plot needs no_such_package: run `make setup`, or pip install "kapitsa_ros\[report\]"$',
     ):
         import_of_extra('no_such_package', 'a plot', 'report')
 

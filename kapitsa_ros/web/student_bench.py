@@ -70,6 +70,7 @@ class StudentBench(WebBench):
             bags=folder.runs,
             shown=type(plant)(length=self.record.told_length, amplitude=stroke, gravity=plant.gravity),
             amplitude_sigma=sigma,
+            composed=True,
         )
         super().__init__(setup, Notebook(folder.book, continued=True))
         self._begun: asyncio.Task[None] | None = None
