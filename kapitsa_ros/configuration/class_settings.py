@@ -46,7 +46,7 @@ class ClassNumbers(ParameterSet):
     seed: int = quantity(1, '', 0, 2**62, description='of the rods, and of all chance at the benches')
     rate: float = quantity(1.0, '', 0.125, 32.0, description='simulated over wall seconds, until a student changes it')
     ruler_error: float = quantity(
-        0.0005, 'm', 0.0, 0.1, description='standard error of the length that a student is told'
+        0.0005, 'm', 0.0, 0.1, description='standard uncertainty of the length that a student is told'
     )
 
 

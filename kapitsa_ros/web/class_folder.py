@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import secrets
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import yaml
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.configuration.class_settings import ClassSettings, SealedRod
     from kapitsa_ros.physics.plant import Plant
 
+_Kept = TypeVar('_Kept')
 _LETTERS = 'abcdefghjkmnpqrstuvwxyz23456789'
 """None that is taken for another when it is read off a blackboard."""
 
@@ -32,20 +33,34 @@ _LETTERS = 'abcdefghjkmnpqrstuvwxyz23456789'
 class BenchRecord:
     """How a bench stands."""
 
-    key: str = field(default_factory=lambda: secrets.token_urlsafe(16))
+    key: str
     """In the link of its student."""
-    told_length: float = 0.0
+    told_length: float
     """m."""
-    name: str | None = None
+    name: str | None
     """Of its student; None while it is free."""
-    joined: str | None = None
+    joined: str | None
     """When; ISO 8601."""
-    run: int = 0
+    run: int
     """The newest."""
-    under_way: bool = False
+    under_way: bool
     """Whether that run has begun and not ended."""
-    speed_rpm: float = 0.0
+    speed_rpm: float
     """Asked for."""
+
+    @classmethod
+    def free(cls, told_length: float) -> BenchRecord:
+        """Return that of a bench that nobody has joined, with a new key."""
+        key = secrets.token_urlsafe(16)
+        return cls(key=key, told_length=told_length, name=None, joined=None, run=0, under_way=False, speed_rpm=0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _ClassRecord:
+    identity: str
+    """Digest of what is sealed."""
+    join_code: str
+    token: str
 
 
 class BenchFolder:
@@ -70,7 +85,7 @@ class BenchFolder:
             parameters = yaml.safe_dump({'/**': {'ros__parameters': asdict(rod.plant)}}, sort_keys=False)
             _write(self._sealed, parameters)
         if not self._record.exists():
-            self.save(BenchRecord(told_length=rod.told_length))
+            self.save(BenchRecord.free(rod.told_length))
 
     def sealed(self) -> Plant:
         """Return the rod that was sealed."""
@@ -85,7 +100,7 @@ class BenchFolder:
             The file is damaged.
 
         """
-        return BenchRecord(**_read(self._record))
+        return _read_as(BenchRecord, self._record)
 
     def save(self, record: BenchRecord) -> None:
         """Write how the bench stands, as a whole or not at all."""
@@ -97,8 +112,15 @@ class BenchFolder:
         return [self.runs, *later]
 
     def hand_ins(self) -> list[HandIn]:
-        """Return what was handed in, the newest last."""
-        return [HandIn(**_read(path)) for path in sorted(self.path.glob('hand_in_*.json'))]
+        """Return what was handed in, the newest last.
+
+        Raises
+        ------
+        UsageError
+            A file is damaged.
+
+        """
+        return [_read_as(HandIn, path) for path in sorted(self.path.glob('hand_in_*.json'))]
 
     def add(self, handed_in: HandIn) -> None:
         """Keep what is handed in; nothing that was handed in before is touched."""
@@ -136,13 +158,14 @@ class ClassFolder:
                     f'{OPTION}: is not empty, and holds no class; give another folder', option='bags', value=path
                 )
             code = '-'.join(''.join(secrets.choice(_LETTERS) for _ in range(4)) for _ in range(2))
-            _write(file, json.dumps({'identity': identity, 'join_code': code, 'token': secrets.token_urlsafe(18)}))
-        values = _read(file)
-        if values.get('identity') != identity:
+            kept = _ClassRecord(identity=identity, join_code=code, token=secrets.token_urlsafe(18))
+            _write(file, json.dumps(asdict(kept)))
+        record = _read_as(_ClassRecord, file)
+        if record.identity != identity:
             raise UsageError(f'{OPTION}: holds a class with other rods; give another folder', option='bags', value=path)
-        self.join_code: str = values['join_code']
+        self.join_code = record.join_code
         """For students."""
-        self.token: str = values['token']
+        self.token = record.token
         """Of the teacher's link."""
         self.benches = [
             BenchFolder(path / f'bench_{number:02d}', settings.rod(number))
@@ -161,8 +184,19 @@ def _read(path: Path) -> dict[str, Any]:
     except (OSError, ValueError) as error:
         raise UsageError(f'{path}: cannot be read ({error}); put it back, or give another --bags') from error
     if not isinstance(values, dict):
-        raise UsageError(f'{path}: is damaged; put it back, or give another --bags')
+        raise _damaged(path)
     return values
+
+
+def _read_as(kind: type[_Kept], path: Path) -> _Kept:
+    try:
+        return kind(**_read(path))
+    except TypeError as error:  # a value is missing, or one too many
+        raise _damaged(path) from error
+
+
+def _damaged(path: Path) -> UsageError:
+    return UsageError(f'{path}: is damaged; put it back, or give another --bags')
 
 
 def _write(path: Path, text: str) -> None:

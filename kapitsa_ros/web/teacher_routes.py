@@ -12,6 +12,8 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from kapitsa_ros.analysis.class_coverage import coverage_of
+from kapitsa_ros.errors import MissingPackageError
+from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.web.class_tables import books_csv, class_csv
 from kapitsa_ros.web.guard import DOCUMENT_POLICY
 from kapitsa_ros.web.pages import csv_answer, page_route
@@ -56,9 +58,8 @@ def teacher_routes(room: Classroom, access: Access) -> list[Route]:
         rows = await room.rows()
         try:
             return HTMLResponse(await asyncio.to_thread(_report, rows), headers=DOCUMENT_POLICY)
-        except ImportError as error:
-            why = f'a report needs {error.name}: install kapitsa_ros[report]\n'
-            return PlainTextResponse(why, HTTPStatus.SERVICE_UNAVAILABLE)
+        except MissingPackageError as error:
+            return PlainTextResponse(f'{error}\n', HTTPStatus.SERVICE_UNAVAILABLE)
 
     answers = {'/teacher.json': values, '/class.csv': table, '/books.csv': books, '/report.html': report}
     return [
@@ -68,6 +69,6 @@ def teacher_routes(room: Classroom, access: Access) -> list[Route]:
 
 
 def _report(rows: list[dict[str, Any]]) -> str:
-    from kapitsa_ros.reporting.report import as_html, class_document  # noqa: PLC0415  # an extra
-
-    return as_html(class_document(rows))
+    reports = import_of_extra('kapitsa_ros.reporting.report', 'a report', 'report')
+    page: str = reports.as_html(reports.class_document(rows))
+    return page

@@ -66,6 +66,16 @@ def test_a_class_file_that_is_wrong_is_refused_in_one_line(tmp_path: Path, text:
     assert '\n' not in str(refused.value)
 
 
+@pytest.mark.parametrize('file', ['class.json', 'bench_01/bench.json'])
+@pytest.mark.parametrize('content', ['', '[]', '{}', '{"colour": 1}'])
+def test_a_damaged_file_of_a_class_is_named(tmp_path: Path, file: str, content: str) -> None:
+    settings = load_class(written(tmp_path, TWO))
+    ClassFolder(tmp_path / 'class', settings)
+    (tmp_path / 'class' / file).write_text(content)
+    with pytest.raises(UsageError, match=file):
+        [bench.record() for bench in ClassFolder(tmp_path / 'class', settings).benches]
+
+
 def test_rods_are_drawn_from_the_seed_each_its_own(tmp_path: Path) -> None:
     settings = load_class(written(tmp_path, TWO))
     again = load_class(written(tmp_path, TWO))
