@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.cli.extras import from_extra
+from kapitsa_ros.cli.node_server import node_server
 from kapitsa_ros.cli.options import SEED, instrument_options, plant_options, real_time_option
 from kapitsa_ros.cli.server_options import server_options
 
@@ -52,7 +53,8 @@ def bench(
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
         serve_bench = from_extra('kapitsa_ros.web.session', 'web').serve_bench
-        serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
+        with node_server():
+            serve_bench(plant, instruments, seed, rate, folder, book, host=host, port=port, open_page=open_page)
     else:
         from_extra('kapitsa_ros.bench.session', 'bench').work_at_bench(plant, instruments, seed, rate, folder, book)
 

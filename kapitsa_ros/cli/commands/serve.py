@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from kapitsa_ros.cli.extras import from_extra
+from kapitsa_ros.cli.node_server import node_server
 from kapitsa_ros.cli.server_options import server_options
 from kapitsa_ros.configuration.class_settings import load_class
 
@@ -34,4 +35,5 @@ def serve(*, file: Path, bags: Path | None, host: str, port: int | None, open_pa
     """
     settings = load_class(file)
     session = from_extra('kapitsa_ros.web.class_session', 'web')
-    session.serve_class(settings, bags or Path(file.stem), host=host, port=port, open_page=open_page)
+    with node_server():
+        session.serve_class(settings, bags or Path(file.stem), host=host, port=port, open_page=open_page)
