@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 LISTEN = 0.05
 """Seconds for which news is waited for before the next order is looked for."""
+GATHERING = 0.01
+"""Seconds given to the other messages of a step, once one has come."""
 GRACE = 3.0
 """Seconds given to an order under way when all is to end."""
 
@@ -86,8 +88,12 @@ class RigWorker:
 
     def _pass_on(self, timeout: float) -> None:
         news = self._rig.news(timeout)
-        if news:
-            self._listener.receive(news, time.monotonic())
+        if not news:
+            return
+        if timeout:  # the messages of a step come one by one: to be woken for each costs more than they do
+            time.sleep(GATHERING)
+            news += self._rig.news(0.0)
+        self._listener.receive(news, time.monotonic())
 
     def _carry_out(self) -> None:
         while not self._ending.is_set():

@@ -45,9 +45,15 @@ class ClassNumbers(ParameterSet):
     benches: int = quantity(30, '', 1, MOST_BENCHES, description='benches')
     seed: int = quantity(1, '', 0, 2**62, description='of the rods, and of all chance at the benches')
     rate: float = quantity(1.0, '', 0.125, 32.0, description='simulated over wall seconds, until a student changes it')
+    fastest_rate: float = quantity(8.0, '', 0.125, 32.0, description='to which a student may change that')
     ruler_error: float = quantity(
         0.0005, 'm', 0.0, 0.1, description='standard uncertainty of the length that a student is told'
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.rate > self.fastest_rate:
+            raise ConfigurationError(f'rate is {self.rate:g}: it must be at most fastest_rate ({self.fastest_rate:g})')
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,8 +101,8 @@ class ClassSettings:
 def load_class(path: Path) -> ClassSettings:
     """Read a class.
 
-    `benches`, `seed`, `rate` and `ruler_error` are numbers; `preset` and `instruments` name what is not drawn; `rods`
-    maps parameters of the plant to `{from: ..., to: ...}`, or to one value for all.
+    `benches`, `seed`, `rate`, `fastest_rate` and `ruler_error` are numbers; `preset` and `instruments` name what is not
+    drawn; `rods` maps parameters of the plant to `{from: ..., to: ...}`, or to one value for all.
 
     Raises
     ------

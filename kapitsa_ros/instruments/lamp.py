@@ -6,7 +6,6 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.strobe_images import distinct_images
@@ -132,7 +131,13 @@ class Lamp:
 
 
 def mark_heights(pivot: SampledMotion, times: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
-    """Return where the mark is, m, at times since the beginning of a block, s."""
-    grid = pivot.period * np.arange(pivot.position.size)
-    heights: NDArray[np.float64] = CubicHermiteSpline(grid, pivot.position, pivot.rate)(times)
+    """Return where the mark is, m, at times within a block, s from its beginning: by cubic Hermite interpolation."""
+    before = np.clip((times / pivot.period).astype(int), 0, pivot.position.size - 2)
+    part = times / pivot.period - before
+    rest = 1.0 - part
+    low, high = pivot.position[before], pivot.position[before + 1]
+    low_rate, high_rate = pivot.period * pivot.rate[before], pivot.period * pivot.rate[before + 1]
+    heights: NDArray[np.float64] = rest * rest * ((1.0 + 2.0 * part) * low + part * low_rate) + part * part * (
+        (1.0 + 2.0 * rest) * high - rest * high_rate
+    )
     return heights

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+from kapitsa_ros.bench.bench_controls import FASTEST_PACE
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -27,6 +28,8 @@ class BenchSetup:
     """Folder for the runs."""
     shown: Plant
     """What the person is told of the plant: it is drawn so, and its stroke is what the fit takes for known."""
+    fastest_rate: float = FASTEST_PACE
+    """To which the person may change the pace."""
     amplitude_sigma: float = RULER_SIGMA
     """Standard uncertainty of that stroke, m."""
 

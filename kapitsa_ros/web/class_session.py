@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.class_folder import ClassFolder
 from kapitsa_ros.web.class_server import class_application
@@ -65,5 +64,5 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
             handed_in = sum(bool(bench.hand_ins) for bench in room.benches)
             click.echo(f'{handed_in} of {len(room.benches)} have handed in; books and runs are in {folder}')
 
-    with closing(listen(host, port)) as listening, fork_server():
+    with closing(listen(host, port)) as listening:
         asyncio.run(serve(listening))

@@ -53,16 +53,16 @@ class Classroom:
             raise PageRequestError('that is not the code of this class')
         shown = ' '.join(''.join(sign for sign in name if sign.isprintable()).split())
         if not 1 <= len(shown) <= _LONGEST_NAME:
-            raise PageRequestError(f'give a name of {_LONGEST_NAME} characters at most')
+            raise PageRequestError('give a name of {most} characters at most', most=_LONGEST_NAME)
         if any(bench.record.name == shown for bench in self.benches):
             raise PageRequestError('that name is taken: go back by your own link, or ask the teacher for it')
         free = next((bench for bench in self.benches if bench.record.name is None), None)
         if free is None:
-            raise PageRequestError(f'all {len(self.benches)} benches are taken')
+            raise PageRequestError('all {count} benches are taken', count=len(self.benches))
         try:
             free.assign(shown)
         except OSError as error:
-            raise PageRequestError(f'the bench cannot be given away: {error.strerror}') from error
+            raise PageRequestError('the bench cannot be given away: {why}', why=error.strerror) from error
         return free
 
     def bench_of(self, key: str) -> StudentBench | None:

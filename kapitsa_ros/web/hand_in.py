@@ -47,7 +47,7 @@ def parse_hand_in(values: dict[str, Any]) -> tuple[float, float, float]:
         except (KeyError, ValueError) as error:
             raise PageRequestError('to hand in: a critical speed and both ends of its interval, RPM') from error
         if not 0.0 < speed <= _FASTEST:
-            raise PageRequestError(f'to hand in: speeds above 0, at most {_FASTEST:.0f} RPM')
+            raise PageRequestError('to hand in: speeds above 0, at most {most:.0f} RPM', most=_FASTEST)
         speeds.append(speed)
     value, low, high = speeds
     if not low <= value <= high:

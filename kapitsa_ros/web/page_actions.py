@@ -82,7 +82,7 @@ def _clear_watch(bench: WebBench, controls: BenchControls, value: None) -> None:
 
 def _write_down(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
     if len(bench.state.notebook.lines) >= MOST_LINES:
-        raise PageRequestError(f'the book is full: it has {MOST_LINES} lines')
+        raise PageRequestError('the book is full: it has {most} lines', most=MOST_LINES)
     bench.state.write_down(bench.now())
     _fit(bench)
 
@@ -100,8 +100,8 @@ def _step(bench: WebBench, controls: BenchControls, value: None) -> None:  # noq
     controls.step()
 
 
-def _set_pace(bench: WebBench, controls: BenchControls, value: float) -> None:  # noqa: ARG001
-    controls.set_pace(value)
+def _set_pace(bench: WebBench, controls: BenchControls, value: float) -> None:
+    controls.set_pace(min(value, bench.setup.fastest_rate))
 
 
 def _begin_run(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
@@ -117,7 +117,7 @@ def _look_at_plot(bench: WebBench, controls: BenchControls, value: None) -> None
         try:
             bench.state.notebook.note(f'run {bench.state.run}, {bench.now():.1f} s: the plot of the angle is looked at')
         except OSError as error:
-            raise PageRequestError(f'the book cannot note that: {error}') from error
+            raise PageRequestError('the book cannot note that: {why}', why=error) from error
     bench.plot_seen = not bench.plot_seen
 
 
@@ -144,7 +144,7 @@ _ACTIONS: dict[str, Callable[[WebBench, BenchControls, Any], None]] = {
 
 def _within(value: int, most: int) -> int:
     if not 1 <= value <= most:
-        raise PageRequestError(f'a count from 1 to {most}')
+        raise PageRequestError('a count from 1 to {most}', most=most)
     return value
 
 

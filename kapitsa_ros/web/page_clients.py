@@ -39,7 +39,7 @@ class PageClients:
 
         """
         if len(self._pages) >= MOST_PAGES:
-            raise PageRequestError(f'{MOST_PAGES} pages are open at this bench already: close one')
+            raise PageRequestError('{most} pages are open at this bench already: close one', most=MOST_PAGES)
         self._pages.append(page)
         self.hand_on(now)
 

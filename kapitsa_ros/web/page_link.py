@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
 
-from kapitsa_ros.web.catalogue import choose_language
+from kapitsa_ros.bench.message import Message
+from kapitsa_ros.web.catalogue import choose_language, words_of
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.page_actions import carry_out
 from kapitsa_ros.web.page_client import PageClient
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.web.web_bench import WebBench
 
 _LONGEST_KEY = 64
+_TOO_MANY = Message('more than {most:.0f} requests a second: some were left out')
 _NOT_UNDERSTOOD, _ABUSED, _FULL = 1003, 1008, 1013
 """Codes by which a link is closed (RFC 6455)."""
 
@@ -61,7 +63,7 @@ async def _receive(bench: WebBench, socket: WebSocket, page: PageClient) -> None
         now = time.monotonic()
         if not limit.allows(now):
             if limit.is_to_be_told(now):
-                _refuse(page, f'more than {REQUESTS_PER_SECOND:.0f} requests a second: some were left out')
+                _refuse(page, Message(_TOO_MANY, most=REQUESTS_PER_SECOND))
             if limit.exhausted:
                 await socket.close(_ABUSED, f'more than {REQUESTS_PER_SECOND:.0f} requests a second')
                 return
@@ -76,11 +78,12 @@ async def _receive(bench: WebBench, socket: WebSocket, page: PageClient) -> None
                 raise PageRequestError('another page works this bench: this one watches')  # noqa: TRY301
             await carry_out(bench, request)
         except PageRequestError as error:
-            _refuse(page, str(error))
+            _refuse(page, error.said)
 
 
-def _refuse(page: PageClient, why: str) -> None:
-    page.tell('refusal', json.dumps({'kind': 'refusal', 'why': why, 'at': time.monotonic()}))
+def _refuse(page: PageClient, why: Message) -> None:
+    said = why.said_by(words_of(page.language))
+    page.tell('refusal', json.dumps({'kind': 'refusal', 'why': said, 'at': time.monotonic()}))
 
 
 async def _send(socket: WebSocket, page: PageClient) -> None:

@@ -89,9 +89,9 @@ class RecordedRuns:
 
         """
         if not 0 <= number < len(self.bags):
-            raise PageRequestError(f'there is no run {number}')
+            raise PageRequestError('there is no run {number}', number=number)
         if not (begin >= 0 and 1 <= count <= MOST_STEPS):
-            raise PageRequestError(f'from step 0 on, {MOST_STEPS} steps at most')
+            raise PageRequestError('from step 0 on, {most} steps at most', most=MOST_STEPS)
         bag = self.bags[number]
         lamp = Lamp(self._lamps[number], bag.run.plant.amplitude)
         lamp.turn(dial * RPM)

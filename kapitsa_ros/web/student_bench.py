@@ -67,6 +67,7 @@ class StudentBench(WebBench):
             instruments=settings.instruments,
             seed=settings.numbers.seed + number,
             rate=settings.numbers.rate,
+            fastest_rate=settings.numbers.fastest_rate,
             bags=folder.runs,
             shown=type(plant)(length=self.record.told_length, amplitude=stroke, gravity=plant.gravity),
             amplitude_sigma=sigma,
@@ -76,6 +77,7 @@ class StudentBench(WebBench):
         self._begun: asyncio.Task[None] | None = None
         self._left_at = time.monotonic()
         self._asleep = False
+        self._ending = False
         self._truth: float | None = None
         self._truth_known = False
         self._said_unwritten = False
@@ -102,10 +104,10 @@ class StudentBench(WebBench):
             await super().repair()
 
     async def end(self) -> None:
-        """End the run, so that its bag is complete, and stop the rig."""
-        if self._begun is not None and not self._begun.done():
-            self._begun.cancel()
-            await asyncio.wait({self._begun})
+        """End the run, so that its bag is complete, and stop the rig; one that is being started, once it has."""
+        self._ending = True
+        if self._begun is not None:
+            await self._begun
         under_way = self.runs
         await super().end()
         if under_way:
@@ -134,7 +136,7 @@ class StudentBench(WebBench):
         """
         value, low, high = parse_hand_in(values)
         if len(self.hand_ins) >= MOST_HAND_INS:
-            raise PageRequestError(f'{MOST_HAND_INS} were handed in already')
+            raise PageRequestError('{most} were handed in already', most=MOST_HAND_INS)
         book = self.state.notebook
         handed_in = HandIn(
             omega_crit_rpm=value,
@@ -147,7 +149,7 @@ class StudentBench(WebBench):
         try:
             self._folder.add(handed_in)
         except OSError as error:
-            raise PageRequestError(f'it could not be kept: {error.strerror}') from error
+            raise PageRequestError('it could not be kept: {why}', why=error.strerror) from error
         self.hand_ins.append(handed_in)
         self.state.notify('handed in: {value:.6g} RPM, {low:.6g} to {high:.6g} RPM', value=value, low=low, high=high)
         self.changed()
@@ -173,6 +175,8 @@ class StudentBench(WebBench):
 
     async def _begin(self) -> None:
         async with self._starts:
+            if self._ending:
+                return
             try:
                 await self.start()
             except (KapitsaError, OSError) as error:

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 
+from kapitsa_ros.web.catalogue import words_of
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.page_link import serve_page
-from kapitsa_ros.web.pages import csv_answer, page_route
+from kapitsa_ros.web.pages import csv_answer, language_of, page_route
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -47,7 +48,8 @@ def student_routes(room: Classroom) -> list[BaseRoute]:
             values = await _body(request)
             bench = room.join(str(values.get('code', '')), str(values.get('name', '')))
         except PageRequestError as error:
-            return JSONResponse({'why': str(error)}, HTTPStatus.FORBIDDEN)
+            why = error.said.said_by(words_of(language_of(request)))
+            return JSONResponse({'why': why}, HTTPStatus.FORBIDDEN)
         return JSONResponse({'bench': bench.number, 'link': f'student?bench={bench.record.key}'})
 
     async def book(request: Request) -> Response:

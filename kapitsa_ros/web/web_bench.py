@@ -74,6 +74,9 @@ class WebBench:
         self._changed = asyncio.Event()
         self._repairing = asyncio.Lock()
         self._recent: deque[bytes] = deque(maxlen=_RECENT)
+        self._said: tuple[object, ...] = (None, None, None)
+        self._only_moved = False
+        """Whether there is nothing to tell but the motion, which pages are shown at once."""
 
     @property
     def runs(self) -> bool:
@@ -203,7 +206,14 @@ class WebBench:
         now = self.now()
         if not math.isnan(self.state.angle(now)):
             self.state.check_fall(now)
-        self.changed()
+        self._only_moved = not self._has_said_more()
+
+    def _has_said_more(self) -> bool:
+        """Whether the rig, since this was last asked, has said more than how it moves."""
+        state = self.state
+        said = (state.run, *(each[-1] if each else None for each in (state.messages, state.rig_readings)))
+        before, self._said = self._said, said
+        return any(new is not old for new, old in zip(said, before, strict=True))
 
     def _show(self, step_id: StepId, pendulum: SampledMotion, pivot: SampledMotion) -> None:
         start = step_id.step * pendulum.duration
@@ -231,8 +241,10 @@ class WebBench:
         """Have a call made in the event loop; called from any thread."""
 
         def make() -> None:
+            self._only_moved = False
             act()
-            self.changed()
+            if not self._only_moved:
+                self.changed()
 
         with suppress(RuntimeError):  # the loop is over, and with it the bench
             self._loop.call_soon_threadsafe(make)

@@ -155,6 +155,12 @@ def test_beyond_loopback_a_link_needs_its_token() -> None:
     assert Access.of('127.0.0.1', 80).token is None
 
 
+def test_a_refusal_is_said_in_the_language_of_the_page() -> None:
+    error = PageRequestError('a count from 1 to {most}', most=9)
+    assert str(error) == 'a count from 1 to 9'
+    assert error.said.said_by(words_of('de')) == 'eine Zahl von 1 bis 9'
+
+
 def test_a_frame_has_the_motion_and_the_flashes_of_its_step() -> None:
     period, speed = 0.001, 2240 * RPM
     time = period * np.arange(101)
@@ -192,7 +198,7 @@ def sentences() -> set[str]:
     for folder in ('bench', 'web'):
         for module in set((PACKAGE / folder).glob('*.py')) - {PACKAGE / 'bench' / 'app.py'}:  # the terminal's own
             text = module.read_text(encoding='utf-8')
-            found |= set(re.findall(r"(?:(?:notify|Message)\(\s*|: (?='run ))'([^']+)'", text))
+            found |= set(re.findall(r"(?:(?:notify|Message|PageRequestError)\(\s*|: (?='run ))'([^']+)'", text))
     return found
 
 

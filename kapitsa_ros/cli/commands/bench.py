@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from kapitsa_ros.cli.node_server import node_server
 from kapitsa_ros.cli.options import SEED, composed_option, instrument_options, plant_options, real_time_option
 from kapitsa_ros.cli.server_options import server_options
 from kapitsa_ros.extras import import_of_extra
@@ -55,7 +56,8 @@ def bench(
     if web:
         serve_bench = import_of_extra('kapitsa_ros.web.session', 'the bench in a browser', 'web').serve_bench
         of_page = {'host': host, 'port': port, 'open_page': open_page}
-        serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
+        with node_server():
+            serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
     else:
         work_at_bench = import_of_extra('kapitsa_ros.bench.session', 'the bench', 'bench').work_at_bench
         work_at_bench(plant, instruments, seed, rate, folder, book, composed=composed)

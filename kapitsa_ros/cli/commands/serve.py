@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from kapitsa_ros.cli.node_server import node_server
 from kapitsa_ros.cli.server_options import server_options
 from kapitsa_ros.configuration.class_settings import load_class
 from kapitsa_ros.extras import import_of_extra
@@ -34,4 +35,5 @@ def serve(*, file: Path, bags: Path | None, host: str, port: int | None, open_pa
     """
     settings = load_class(file)
     session = import_of_extra('kapitsa_ros.web.class_session', 'a class', 'web')
-    session.serve_class(settings, bags or Path(file.stem), host=host, port=port, open_page=open_page)
+    with node_server():
+        session.serve_class(settings, bags or Path(file.stem), host=host, port=port, open_page=open_page)

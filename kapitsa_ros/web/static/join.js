@@ -15,7 +15,7 @@ $('form').addEventListener('submit', async (event) => {
   event.preventDefault();
   try {
     const body = JSON.stringify({ code: $('code').value, name: $('name').value });
-    const answer = await fetch('join', { method: 'POST', body });
+    const answer = await fetch(`join?lang=${document.documentElement.lang}`, { method: 'POST', body });
     const { link, why } = await answer.json();
     if (!answer.ok) {
       put('said', why);
