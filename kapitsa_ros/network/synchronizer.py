@@ -35,8 +35,9 @@ class StepSynchronizer:
     def __init__(self, leading: Iterable[str], following: Iterable[str] = ()) -> None:
         self._leading: dict[str, _Queue] = {topic: deque() for topic in leading}
         self._following: dict[str, _Queue] = {topic: deque() for topic in following}
+        self._queues = self._leading | self._following
         self._last: dict[str, StepId] = {}
-        self._runs = dict.fromkeys((*self._leading, *self._following), 0)
+        self._runs = dict.fromkeys(self._queues, 0)
 
     def put(self, topic: str, step_id: StepId, raw: bytes) -> bool:
         """Take a message in; return False if its step has been seen before.
@@ -62,7 +63,7 @@ class StepSynchronizer:
             raise SequenceError(f'gap on {topic}: {step_id} came after {last}')
         self._last[topic] = step_id
         self._runs[topic] += step_id.step == 0
-        (self._leading | self._following)[topic].append((self._runs[topic], step_id, raw))
+        self._queues[topic].append((self._runs[topic], step_id, raw))
         return True
 
     def take(self) -> Step | None:
@@ -83,7 +84,7 @@ class StepSynchronizer:
         for queue in self._following.values():
             while queue and (queue[0][0], queue[0][1].step) < after:
                 queue.popleft()
-        queues = self._leading if step_id.end else self._leading | self._following
+        queues = self._leading if step_id.end else self._queues
         if not all(queue and (step_id.end or queue[0][1] == step_id) for queue in queues.values()):
             return None
         return Step(step_id, {topic: queue.popleft()[2] for topic, queue in queues.items()})

@@ -95,7 +95,7 @@ class Jigsaw:
         reach = self._spin_up * duration
         final = min(max(target_speed, self._speed - reach), self._speed + reach)
         angular_acceleration = (final - self._speed) / duration
-        time = np.linspace(0.0, duration, count + 1)
+        time = _sample_times(duration, count)
         phi = self.phi + time * (self._speed + 0.5 * angular_acceleration * time)
         samples = self._stroke(phi, self._speed + angular_acceleration * time, angular_acceleration, duration / count)
 
@@ -118,6 +118,14 @@ class Jigsaw:
             rate=self._amplitude * slope * speed,
             acceleration=self._amplitude * (curvature * speed**2 + slope * angular_acceleration),
         )
+
+
+@lru_cache(maxsize=16)
+def _sample_times(duration: float, count: int) -> NDArray[np.float64]:
+    """Return the times of a step's samples from its begin, s."""
+    times = np.linspace(0.0, duration, count + 1)
+    times.flags.writeable = False
+    return times
 
 
 @lru_cache(maxsize=16)

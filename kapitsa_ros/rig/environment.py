@@ -52,11 +52,12 @@ def on_loopback() -> Iterator[None]:
 
 
 def loopback() -> dict[str, str]:
-    """Return what the environment lacks to stay on this machine, unless it says something else."""
+    """Return what the environment lacks to stay on this machine and those it names, unless it says something else."""
     requested = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     if requested != 'LOCALHOST':
         return {}
     # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
-    profile = str(resource_path('config', 'loopback.xml'))
-    settings = {'ROS_AUTOMATIC_DISCOVERY_RANGE': requested, 'FASTRTPS_DEFAULT_PROFILES_FILE': profile}
+    profile = 'static_peers.xml' if os.environ.get('ROS_STATIC_PEERS') else 'loopback.xml'
+    path = str(resource_path('config', profile))
+    settings = {'ROS_AUTOMATIC_DISCOVERY_RANGE': requested, 'FASTRTPS_DEFAULT_PROFILES_FILE': path}
     return {name: value for name, value in settings.items() if name not in os.environ}

@@ -14,11 +14,12 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from kapitsa_ros.errors import shorten
-from kapitsa_ros.network.cdr import aligned, stamp_of
+from kapitsa_ros.network.cdr import aligned, read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY
+from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
 from kapitsa_ros.ros.errors import SettingError
@@ -100,6 +101,8 @@ class DataflowNode(Node):
             for topic in self.reads
         ]
         self._known_strangers: set[str] = set()
+        self._over: set[str] = set()
+        """Topics on which it was said that no run follows."""
         for topic in (*self.reads, *self.writes):
             load_type(topic.type)
         self._peers = PeerDiscovery(self, self.writes, self.reads, self.expected)
@@ -133,6 +136,8 @@ class DataflowNode(Node):
         publisher = self._out[topic.name]
         raw += bytes(aligned(len(raw), 4))  # as DDS pads it on its way, but not to a reader in the same process
         self._stamp_ns = stamp_of(raw)
+        if ends_session(read_step_id(raw)):
+            self._over.add(topic.name)
         said = False
         while True:
             try:
@@ -199,6 +204,7 @@ class DataflowNode(Node):
             self.diagnostics.publish(report)
             if self._peers.matched:
                 self._name_strangers()
+                self._peers.refuse_lost(self._over)
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
     def _say_held_up(self, topic: str, how: str) -> None:
@@ -214,6 +220,8 @@ class DataflowNode(Node):
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
             self.has_news = True
+            if ends_session(step_id):
+                self._over.add(name)
             try:
                 fresh = self.accept(name, step_id, raw)
             except WireError as error:

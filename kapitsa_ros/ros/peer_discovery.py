@@ -11,12 +11,14 @@ from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.node_names import node_names
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Collection, Iterable
 
     from rclpy.node import Node
 
     from kapitsa_ros.network.topic import Topic
 
+LOST = 3.0
+"""Seconds for which a peer has been out of reach when it is given up; DDS waits for 20 s before it tells of that."""
 PATIENCE = 3.0
 """Seconds before the first line about who is missing; each next one comes after twice the time."""
 
@@ -36,6 +38,7 @@ class PeerDiscovery:
         self._next_line = time.monotonic() + PATIENCE
         self._wait = PATIENCE
         self.matched = False
+        self._lost_since: float | None = None
 
     def ready(self) -> bool:
         """Whether everyone is there; says who is missing, at growing intervals.
@@ -64,16 +67,40 @@ class PeerDiscovery:
             )
         return self.matched
 
+    def refuse_lost(self, over: Collection[str]) -> None:
+        """Look whether everyone who was there still is; called now and then.
+
+        Parameters
+        ----------
+        over
+            Topics on which it was said that no run follows: their readers and writers may leave.
+
+        Raises
+        ------
+        NodeError
+            Someone has been out of reach for too long.
+
+        """
+        lost = self._missing(over)
+        now = time.monotonic()
+        if not lost:
+            self._lost_since = None
+        elif self._lost_since is None:
+            self._lost_since = now
+        elif now - self._lost_since > LOST:
+            raise NodeError(f'{", ".join(sorted(lost))} left in mid-session, or cannot be reached any more')
+
     def readers(self, topic: str) -> list[str]:
         """Return the names of the nodes that read a topic."""
         return node_names(self._node.get_subscriptions_info_by_topic(topic))
 
-    def _missing(self) -> set[str]:
+    def _missing(self, over: Collection[str] = ()) -> set[str]:
         missing: set[str] = set()
         for topic, wanted in self._writes.items():
-            missing |= wanted - set(self.readers(topic.name))
+            if topic.name not in over:
+                missing |= wanted - set(self.readers(topic.name))
         for topic in self._reads:
-            if not self._node.get_publishers_info_by_topic(topic.name):
+            if topic.name not in over and not self._node.get_publishers_info_by_topic(topic.name):
                 missing.add(writer_of(topic).name)
         return missing
 

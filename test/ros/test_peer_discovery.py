@@ -9,7 +9,7 @@ import pytest
 from kapitsa_ros.network.registry import PIVOT, REQUIRED_NAMES, STROBE, STROBE_READING, readers_of
 from kapitsa_ros.ros import peer_discovery
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.peer_discovery import PATIENCE, PeerDiscovery
+from kapitsa_ros.ros.peer_discovery import LOST, PATIENCE, PeerDiscovery
 
 
 class Node:
@@ -106,3 +106,21 @@ def test_a_second_writer_of_a_topic_is_another_rig(node: Node, peers: PeerDiscov
     told = r'2 nodes write jigsaw/pivot in domain 42: a rig is there already \(a node without a name yet, jigsaw\)'
     with pytest.raises(NodeError, match=told):
         peers.ready()
+
+
+def test_who_is_out_of_reach_is_given_up_unless_it_was_through(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    assert peers.ready()
+    node.readers[STROBE_READING.name].remove('recorder')
+    peers.refuse_lost(())
+    node.now += LOST + 0.1
+    complete(node)
+    peers.refuse_lost(())  # it is back
+    del node.writers[PIVOT.name]
+    peers.refuse_lost(())
+    node.now += LOST + 0.1
+    peers.refuse_lost({PIVOT.name})
+    peers.refuse_lost(())
+    node.now += LOST + 0.1
+    with pytest.raises(NodeError, match=r'^jigsaw left in mid-session, or cannot be reached any more'):
+        peers.refuse_lost(())

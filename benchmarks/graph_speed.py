@@ -1,0 +1,117 @@
+"""The graph at full speed, as processes and composed: CPU time a step and simulated over wall seconds.
+
+CPU time is of the nodes alone, and of what they are forked from; the start is taken off by a shorter protocol. The peer
+is what others would do: one JointState a sample, through as many nodes in one process.
+"""
+
+from __future__ import annotations
+
+import json
+import resource
+import statistics
+import tempfile
+import time
+from pathlib import Path
+
+import rclpy
+import yaml
+from measure import REPEATS, Claim
+from rclpy.experimental import EventsExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+
+from kapitsa_ros.network.registry import PIVOT, ROLE_NAMES
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig.domain import reserved_domain
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.fork_server_process import fork_server
+from kapitsa_ros.rig.session import watch
+from kapitsa_ros.rig.setup import Setup, parameters
+from kapitsa_ros.ros.arguments import NO_LOG_FILES
+from kapitsa_ros.ros.qos import STREAM
+
+REPETITIONS = (1, 25)
+"""Of the timings of 1997 in the shorter protocol and in the longer."""
+SAMPLES_A_STEP = 100
+PEER_SAMPLES = 5000
+
+
+def main() -> None:
+    """Print the claims as JSON."""
+    found: dict[bool, list[tuple[float, float]]] = {False: [], True: []}
+    for _ in range(REPEATS):
+        for composed, record in found.items():
+            (short_cpu, short_steps, _), (cpu, steps, factor) = (measured(n, composed=composed) for n in REPETITIONS)
+            record.append(((cpu - short_cpu) / (steps - short_steps), factor))
+    processes, composed_cpu = (statistics.median(cpu for cpu, _ in found[composed]) for composed in (False, True))
+    peer = statistics.median(one_message_a_sample() for _ in range(REPEATS))
+    for work, ours in (('as processes', processes), ('composed', composed_cpu)):
+        Claim(
+            work=f'a step of the graph at 1 kHz with the recorder, {work}, CPU time of all nodes',
+            peer='one JointState a sample through as many nodes in a process',
+            target='<= 1.5 ms, ratio >= 30',
+            ours_s=ours,
+            peer_s=SAMPLES_A_STEP * peer,
+            ours_error=None,
+            peer_error=None,
+        ).show()
+    for work, composed, target in (('as processes', False, '>= 120'), ('composed', True, '>= 100')):
+        factor = statistics.median(factor for _, factor in found[composed])
+        print(json.dumps({'work': f'the graph {work}, simulated over wall seconds', 'target': target, 'ratio': factor}))
+
+
+def measured(repetitions: int, *, composed: bool) -> tuple[float, int, float]:
+    """Carry out the protocol of 1997 with so many timings a speed; return CPU time, steps and the real-time factor."""
+    before = _cpu_of_children()
+    with tempfile.TemporaryDirectory() as folder:
+        protocol = Path(folder, 'protocol.yaml')
+        speeds = ['2240 rpm', '2640 rpm', '2780 rpm']
+        protocol.write_text(yaml.safe_dump({'speeds': speeds, 'swings': 3, 'repeats': repetitions}), encoding='utf-8')
+        setup = Setup(protocol=str(protocol), bags=Path(folder, 'bags'))
+        with fork_server():
+            monitor = watch(ROLE_NAMES, parameters(setup), lambda _: None, composed=composed)
+        cpu = _cpu_of_children() - before
+        steps = sum(len(list(RunBag(bag).raw(PIVOT.name))) for bag in setup.bags.iterdir())
+    return cpu, steps, monitor.realtime_factor
+
+
+def _cpu_of_children() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def one_message_a_sample() -> float:
+    """Return the CPU time of a JointState that one node writes and six read, all in this process."""
+    with on_loopback(), reserved_domain() as domain:
+        rclpy.init(args=NO_LOG_FILES, domain_id=domain)
+        writer = Node('writer')
+        readers = [Node(f'reader_{number}') for number in range(len(ROLE_NAMES) - 1)]
+        publisher = writer.create_publisher(JointState, 'joint_states', STREAM)
+        heard: list[float] = []
+        executor = EventsExecutor()
+        for reader in readers:
+            reader.create_subscription(JointState, 'joint_states', lambda m: heard.append(m.position[0]), STREAM)
+            executor.add_node(reader)
+        while publisher.get_subscription_count() < len(readers):
+            executor.spin_once(timeout_sec=0.01)
+        begin = time.process_time()
+        for sample in range(PEER_SAMPLES):
+            message = JointState(name=['pivot'], position=[float(sample)], velocity=[0.0], effort=[0.0])
+            message.header.stamp = writer.get_clock().now().to_msg()
+            publisher.publish(message)
+            while len(heard) < (sample + 1) * len(readers):
+                executor.spin_once(timeout_sec=1.0)
+        used = time.process_time() - begin
+        for node in (writer, *readers):
+            if node is not writer:
+                executor.remove_node(node)
+        executor.shutdown()
+        del executor
+        for node in (writer, *readers):
+            node.destroy_node()
+        rclpy.shutdown()
+    return used / PEER_SAMPLES
+
+
+if __name__ == '__main__':
+    main()
