@@ -28,7 +28,7 @@ _LETTERS = 'abcdefghjkmnpqrstuvwxyz23456789'
 """None that is taken for another when it is read off a blackboard."""
 
 
-@dataclass(kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class BenchRecord:
     """How a bench stands."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -162,8 +163,9 @@ class StudentBench(WebBench):
             The disk does not take it.
 
         """
-        self.record.name, self.record.joined = name, now_text()
-        self._folder.save(self.record)
+        record = replace(self.record, name=name, joined=now_text())
+        self._folder.save(record)
+        self.record = record
 
     async def truth(self) -> float | None:
         """Return the exact threshold of the sealed rod, RPM; None where it has none."""
@@ -224,20 +226,17 @@ class StudentBench(WebBench):
                 self.controls.toggle_pause()
 
     def _save(self, *, under_way: bool) -> None:
-        values = {'run': self.state.run, 'under_way': under_way, 'speed_rpm': self.state.speed}
-        if all(getattr(self.record, name) == value for name, value in values.items()):
+        record = replace(self.record, run=self.state.run, under_way=under_way, speed_rpm=self.state.speed)
+        if record == self.record:
             return
-        before = {name: getattr(self.record, name) for name in values}
-        for name, value in values.items():
-            setattr(self.record, name, value)
         try:
-            self._folder.save(self.record)
+            self._folder.save(record)
         except OSError as error:
-            for name, value in before.items():
-                setattr(self.record, name, value)
             if not self._said_unwritten:
                 self._said_unwritten = True
                 self.state.notify('the state of the bench cannot be written: {why}', why=error.strerror)
+        else:
+            self.record = record
 
     def _told_of_class(self) -> dict[str, Any]:
         last = self.hand_ins[-1] if self.hand_ins else None

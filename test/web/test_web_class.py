@@ -4,6 +4,7 @@ import asyncio
 import csv
 import io
 import json
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -151,6 +152,31 @@ def test_students_join_by_the_code_and_hand_in_against_the_sealed_rod(tmp_path: 
     page = document([row | {'name': row['name'].replace('cmd', '<b>')} for row in rows]).text
     assert '1 of 2 intervals hold' in page
     assert '<b>' not in page
+
+
+def test_what_a_full_disk_does_not_take_is_refused_with_its_reason(tmp_path: Path) -> None:
+    settings = load_class(written(tmp_path, TWO))
+    values = {'omega_crit_rpm': 900, 'low_rpm': 800, 'high_rpm': 1000}
+
+    async def sit() -> None:
+        room = Classroom(settings, ClassFolder(tmp_path / 'kept', settings))
+        ann = room.join(room.folder.join_code, 'Ann')
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (64, hard))
+        try:
+            with pytest.raises(PageRequestError, match='could not be kept: File too large'):
+                ann.hand_in(values)
+            with pytest.raises(PageRequestError, match='cannot be given away'):
+                room.join(room.folder.join_code, 'Bob')
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert not ann.hand_ins
+        ann.hand_in(values)
+        assert room.join(room.folder.join_code, 'Bob').number == 2
+        await room.end()
+
+    asyncio.run(sit())
+    assert len(list((tmp_path / 'kept' / 'bench_01').iterdir())) == 3
 
 
 def work(page: Any, speed: int) -> None:
