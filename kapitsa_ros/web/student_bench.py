@@ -75,6 +75,7 @@ class StudentBench(WebBench):
         )
         super().__init__(setup, Notebook(folder.book, continued=True))
         self._begun: asyncio.Task[None] | None = None
+        self._marked: asyncio.Task[None] | None = None
         self._left_at = time.monotonic()
         self._asleep = False
         self._ending = False
@@ -93,8 +94,10 @@ class StudentBench(WebBench):
         """Whether its rig is being started, or waits for its turn."""
         return self._begun is not None and not self._begun.done()
 
-    def begin(self) -> None:
-        """Start the rig, where there is none and nothing went wrong."""
+    async def begin(self) -> None:
+        """Have the rig started, where there is none and nothing went wrong."""
+        if self._marked is not None:
+            await asyncio.shield(self._marked)
         if self._begun is None and self.failure is None:
             self._begun = asyncio.get_running_loop().create_task(self._begin())
 
@@ -106,8 +109,9 @@ class StudentBench(WebBench):
     async def end(self) -> None:
         """End the run, so that its bag is complete, and stop the rig; one that is being started, once it has."""
         self._ending = True
-        if self._begun is not None:
-            await self._begun
+        for task in (self._marked, self._begun):
+            if task is not None:
+                await task
         under_way = self.runs
         await super().end()
         if under_way:
@@ -118,7 +122,7 @@ class StudentBench(WebBench):
         super().tell_all()
         if self.runs:
             self._save(under_way=True)
-        self._look_after(time.monotonic())
+        self.look_after(time.monotonic())
 
     def tell(self, page: PageClient) -> None:
         """Tell a page how things are."""
@@ -195,16 +199,21 @@ class StudentBench(WebBench):
         if not self.record.under_way:
             self.add_folder()
             return
-        seconds = self._recorded_seconds()
-        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
-        if note not in self.state.notebook.lines:
-            self.state.notebook.note(note)
         self.state.speed = self.record.speed_rpm
-        self.failure = Message(
-            _CUT,
-            run=self.record.run,
-            seconds=seconds,
-        )
+        self._marked = asyncio.get_running_loop().create_task(self._mark_cut())
+
+    async def _mark_cut(self) -> None:
+        """Note in the book that the last run was cut off, and offer the next."""
+        async with self._starts:
+            seconds = await asyncio.to_thread(self._recorded_seconds)
+        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
+        try:
+            if note not in self.state.notebook.lines:
+                self.state.notebook.note(note)
+        except OSError as error:
+            self.state.notify('not written down: {why}', why=error)
+        self.failure = Message(_CUT, run=self.record.run, seconds=seconds)
+        self.changed()
 
     def _recorded_seconds(self) -> float:
         try:
@@ -213,8 +222,8 @@ class StudentBench(WebBench):
         except BagError:
             return 0.0
 
-    def _look_after(self, now: float) -> None:
-        """Let time stand still where nobody has looked for a while, and run again once somebody does."""
+    def look_after(self, now: float) -> None:
+        """Let time stand still where nobody has looked for a while, and run again for who comes; `now` is wall time."""
         if list(self.pages):
             self._left_at = now
             if self._asleep and self.state.paused and self.controls is not None:
@@ -245,6 +254,7 @@ class StudentBench(WebBench):
             'name': self.record.name,
             'told_length': self.record.told_length,
             'ruler_error': self._settings.numbers.ruler_error,
+            'told_stroke': [2.0 * each for each in self._settings.told_amplitude],
             'handed_in': len(self.hand_ins),
             'last': None if last is None else [last.omega_crit_rpm, last.low_rpm, last.high_rpm],
         }
