@@ -22,7 +22,7 @@ from kapitsa_ros.rig.errors import UsageError
 
 pytest.importorskip('starlette')
 pytest.importorskip('uvicorn')
-from kapitsa_ros.web.class_folder import ClassFolder
+from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_tables import class_csv
 from kapitsa_ros.web.classroom import Classroom
 from kapitsa_ros.web.errors import PageRequestError
@@ -113,6 +113,13 @@ def test_another_class_is_not_gone_on_with(tmp_path: Path) -> None:
         ClassFolder(tmp_path / 'kept', other)
     with pytest.raises(UsageError, match='holds no class'):
         ClassFolder(tmp_path, settings)
+    with alone_in(tmp_path / 'kept'), pytest.raises(UsageError, match='is served already'), alone_in(tmp_path / 'kept'):
+        pass
+    with alone_in(tmp_path / 'kept'):
+        pass
+    (tmp_path / 'kept' / 'bench_02' / 'bench.json').write_text('{"key": "a", "role": "teacher"}')
+    with pytest.raises(UsageError, match=r'bench\.json: cannot be read'):
+        again.benches[1].record()
     secret = [path for path in (tmp_path / 'kept').rglob('*') if path.is_file()]
     assert {path.stat().st_mode & 0o077 for path in secret} == {0}
 
