@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.files import read_mapping
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -90,7 +91,7 @@ class ClassSettings:
     def told_amplitude(self) -> tuple[float, float]:
         """What everybody knows of the stroke: the mean of its half and the standard uncertainty, m."""
         low, high = self.drawn.get('amplitude', (self.plant.amplitude,) * 2)
-        return 0.5 * (low + high), (high - low) / math.sqrt(12.0)
+        return 0.5 * (low + high), max((high - low) / math.sqrt(12.0), RULER_SIGMA)
 
     @property
     def identity(self) -> str:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import secrets
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
-from typing import TYPE_CHECKING, Any, TypeVar
+from itertools import count
+from typing import TYPE_CHECKING, TypeVar
 
 import yaml
 
@@ -19,17 +23,26 @@ from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.hand_in import HandIn
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from pathlib import Path
 
     from kapitsa_ros.configuration.class_settings import ClassSettings, SealedRod
     from kapitsa_ros.physics.plant import Plant
 
-_Kept = TypeVar('_Kept')
+T = TypeVar('T')
 _LETTERS = 'abcdefghjkmnpqrstuvwxyz23456789'
 """None that is taken for another when it is read off a blackboard."""
 
 
-@dataclass(kw_only=True)
+@dataclass(frozen=True, kw_only=True)
+class _ClassRecord:
+    identity: str
+    """Digest of what is sealed."""
+    join_code: str
+    token: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class BenchRecord:
     """How a bench stands."""
 
@@ -53,14 +66,6 @@ class BenchRecord:
         """Return that of a bench that nobody has joined, with a new key."""
         key = secrets.token_urlsafe(16)
         return cls(key=key, told_length=told_length, name=None, joined=None, run=0, under_way=False, speed_rpm=0.0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _ClassRecord:
-    identity: str
-    """Digest of what is sealed."""
-    join_code: str
-    token: str
 
 
 class BenchFolder:
@@ -100,7 +105,7 @@ class BenchFolder:
             The file is damaged.
 
         """
-        return _read_as(BenchRecord, self._record)
+        return _read(BenchRecord, self._record)
 
     def save(self, record: BenchRecord) -> None:
         """Write how the bench stands, as a whole or not at all."""
@@ -112,20 +117,13 @@ class BenchFolder:
         return [self.runs, *later]
 
     def hand_ins(self) -> list[HandIn]:
-        """Return what was handed in, the newest last.
-
-        Raises
-        ------
-        UsageError
-            A file is damaged.
-
-        """
-        return [_read_as(HandIn, path) for path in sorted(self.path.glob('hand_in_*.json'))]
+        """Return what was handed in, the newest last."""
+        return [_read(HandIn, path) for path in sorted(self.path.glob('hand_in_*.json'))]
 
     def add(self, handed_in: HandIn) -> None:
         """Keep what is handed in; nothing that was handed in before is touched."""
-        number = len(self.hand_ins()) + 1
-        _write(self.path / f'hand_in_{number:03d}.json', json.dumps(asdict(handed_in)))
+        paths = (self.path / f'hand_in_{number:03d}.json' for number in count(1))
+        _write(next(path for path in paths if not path.exists()), json.dumps(asdict(handed_in)))
 
 
 class ClassFolder:
@@ -158,9 +156,9 @@ class ClassFolder:
                     f'{OPTION}: is not empty, and holds no class; give another folder', option='bags', value=path
                 )
             code = '-'.join(''.join(secrets.choice(_LETTERS) for _ in range(4)) for _ in range(2))
-            kept = _ClassRecord(identity=identity, join_code=code, token=secrets.token_urlsafe(18))
-            _write(file, json.dumps(asdict(kept)))
-        record = _read_as(_ClassRecord, file)
+            made = _ClassRecord(identity=identity, join_code=code, token=secrets.token_urlsafe(18))
+            _write(file, json.dumps(asdict(made)))
+        record = _read(_ClassRecord, file)
         if record.identity != identity:
             raise UsageError(f'{OPTION}: holds a class with other rods; give another folder', option='bags', value=path)
         self.join_code = record.join_code
@@ -178,25 +176,34 @@ def now_text() -> str:
     return datetime.now(UTC).isoformat(timespec='seconds')
 
 
-def _read(path: Path) -> dict[str, Any]:
+@contextmanager
+def alone_in(folder: Path) -> Iterator[None]:
+    """Let no other server have a folder while the context lasts; it is made where it is not there.
+
+    Raises
+    ------
+    UsageError
+        Another one has it, or it cannot be written.
+
+    """
+    make_writable(folder)
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
-        values = json.loads(path.read_text(encoding='utf-8'))
-    except (OSError, ValueError) as error:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        os.close(descriptor)
+        raise UsageError(f'{OPTION}: is served already; end that server first', option='bags', value=folder) from error
+    try:
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _read(kind: type[T], path: Path) -> T:
+    try:
+        return kind(**json.loads(path.read_text(encoding='utf-8')))
+    except (OSError, ValueError, TypeError) as error:
         raise UsageError(f'{path}: cannot be read ({error}); put it back, or give another --bags') from error
-    if not isinstance(values, dict):
-        raise _damaged(path)
-    return values
-
-
-def _read_as(kind: type[_Kept], path: Path) -> _Kept:
-    try:
-        return kind(**_read(path))
-    except TypeError as error:  # a value is missing, or one too many
-        raise _damaged(path) from error
-
-
-def _damaged(path: Path) -> UsageError:
-    return UsageError(f'{path}: is damaged; put it back, or give another --bags')
 
 
 def _write(path: Path, text: str) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.web.access import Access
-from kapitsa_ros.web.class_folder import ClassFolder
+from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_server import class_application
 from kapitsa_ros.web.classroom import Classroom
 from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
@@ -64,5 +64,5 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
             handed_in = sum(bool(bench.hand_ins) for bench in room.benches)
             click.echo(f'{handed_in} of {len(room.benches)} have handed in; books and runs are in {folder}')
 
-    with closing(listen(host, port)) as listening:
+    with alone_in(folder), closing(listen(host, port)) as listening:
         asyncio.run(serve(listening))

@@ -50,12 +50,16 @@ class RecordedRuns:
     Raises
     ------
     BagError
-        One of them is no bag, or has no run of this rig in it.
+        One of them is no bag, has no run of this rig in it, or holds what no rig can have said.
+    RunError
+        The settings in one do not describe a plant.
 
     """
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self.bags = runs_of(paths)
+        for bag in self.bags:
+            _, _ = bag.run.plant, bag.motion  # what cannot be shown is refused before there is a page
         self._lock = threading.Lock()
         self._lamps = [_lamp_settings(bag) for bag in self.bags]
 

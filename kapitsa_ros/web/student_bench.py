@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import time
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -75,6 +76,7 @@ class StudentBench(WebBench):
         )
         super().__init__(setup, Notebook(folder.book, continued=True))
         self._begun: asyncio.Task[None] | None = None
+        self._marked: asyncio.Task[None] | None = None
         self._left_at = time.monotonic()
         self._asleep = False
         self._ending = False
@@ -93,8 +95,10 @@ class StudentBench(WebBench):
         """Whether its rig is being started, or waits for its turn."""
         return self._begun is not None and not self._begun.done()
 
-    def begin(self) -> None:
-        """Start the rig, where there is none and nothing went wrong."""
+    async def begin(self) -> None:
+        """Have the rig started, where there is none and nothing went wrong."""
+        if self._marked is not None:
+            await asyncio.shield(self._marked)
         if self._begun is None and self.failure is None:
             self._begun = asyncio.get_running_loop().create_task(self._begin())
 
@@ -106,8 +110,9 @@ class StudentBench(WebBench):
     async def end(self) -> None:
         """End the run, so that its bag is complete, and stop the rig; one that is being started, once it has."""
         self._ending = True
-        if self._begun is not None:
-            await self._begun
+        for task in (self._marked, self._begun):
+            if task is not None:
+                await task
         under_way = self.runs
         await super().end()
         if under_way:
@@ -118,7 +123,7 @@ class StudentBench(WebBench):
         super().tell_all()
         if self.runs:
             self._save(under_way=True)
-        self._look_after(time.monotonic())
+        self.look_after(time.monotonic())
 
     def tell(self, page: PageClient) -> None:
         """Tell a page how things are."""
@@ -163,8 +168,9 @@ class StudentBench(WebBench):
             The disk does not take it.
 
         """
-        self.record.name, self.record.joined = name, now_text()
-        self._folder.save(self.record)
+        record = replace(self.record, name=name, joined=now_text())
+        self._folder.save(record)
+        self.record = record
 
     async def truth(self) -> float | None:
         """Return the exact threshold of the sealed rod, RPM; None where it has none."""
@@ -194,16 +200,21 @@ class StudentBench(WebBench):
         if not self.record.under_way:
             self.add_folder()
             return
-        seconds = self._recorded_seconds()
-        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
-        if note not in self.state.notebook.lines:
-            self.state.notebook.note(note)
         self.state.speed = self.record.speed_rpm
-        self.failure = Message(
-            _CUT,
-            run=self.record.run,
-            seconds=seconds,
-        )
+        self._marked = asyncio.get_running_loop().create_task(self._mark_cut())
+
+    async def _mark_cut(self) -> None:
+        """Note in the book that the last run was cut off, and offer the next."""
+        async with self._starts:
+            seconds = await asyncio.to_thread(self._recorded_seconds)
+        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
+        try:
+            if note not in self.state.notebook.lines:
+                self.state.notebook.note(note)
+        except OSError as error:
+            self.state.notify('not written down: {why}', why=error)
+        self.failure = Message(_CUT, run=self.record.run, seconds=seconds)
+        self.changed()
 
     def _recorded_seconds(self) -> float:
         try:
@@ -212,8 +223,8 @@ class StudentBench(WebBench):
         except BagError:
             return 0.0
 
-    def _look_after(self, now: float) -> None:
-        """Let time stand still where nobody has looked for a while, and run again once somebody does."""
+    def look_after(self, now: float) -> None:
+        """Let time stand still where nobody has looked for a while, and run again for who comes; `now` is wall time."""
         if list(self.pages):
             self._left_at = now
             if self._asleep and self.state.paused and self.controls is not None:
@@ -225,20 +236,17 @@ class StudentBench(WebBench):
                 self.controls.toggle_pause()
 
     def _save(self, *, under_way: bool) -> None:
-        values = {'run': self.state.run, 'under_way': under_way, 'speed_rpm': self.state.speed}
-        if all(getattr(self.record, name) == value for name, value in values.items()):
+        record = replace(self.record, run=self.state.run, under_way=under_way, speed_rpm=self.state.speed)
+        if record == self.record:
             return
-        before = {name: getattr(self.record, name) for name in values}
-        for name, value in values.items():
-            setattr(self.record, name, value)
         try:
-            self._folder.save(self.record)
+            self._folder.save(record)
         except OSError as error:
-            for name, value in before.items():
-                setattr(self.record, name, value)
             if not self._said_unwritten:
                 self._said_unwritten = True
                 self.state.notify('the state of the bench cannot be written: {why}', why=error.strerror)
+        else:
+            self.record = record
 
     def _told_of_class(self) -> dict[str, Any]:
         last = self.hand_ins[-1] if self.hand_ins else None
@@ -247,6 +255,7 @@ class StudentBench(WebBench):
             'name': self.record.name,
             'told_length': self.record.told_length,
             'ruler_error': self._settings.numbers.ruler_error,
+            'told_stroke': [2.0 * each for each in self._settings.told_amplitude],
             'handed_in': len(self.hand_ins),
             'last': None if last is None else [last.omega_crit_rpm, last.low_rpm, last.high_rpm],
         }

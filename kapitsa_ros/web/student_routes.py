@@ -62,7 +62,7 @@ def student_routes(room: Classroom) -> list[BaseRoute]:
         if bench is None:
             await socket.send_denial_response(PlainTextResponse(_NO_BENCH, HTTPStatus.FORBIDDEN))
             return
-        bench.begin()
+        await bench.begin()
         await serve_page(bench, socket)
 
     return [

@@ -115,7 +115,8 @@ class WebBench:
             ended = asyncio.Event()
             self.controls.end_run(ended.set)
             try:
-                await asyncio.wait_for(ended.wait(), PATIENCE)
+                async with asyncio.timeout(PATIENCE):
+                    await ended.wait()
             except TimeoutError:
                 self.state.notify('the run could not be ended: its bag says so')
         await self._stop_rig()
@@ -175,7 +176,8 @@ class WebBench:
         """Tell all pages of every change, at most 25 times a second; goes on until it is cancelled."""
         while True:
             with suppress(TimeoutError):  # somebody may have left
-                await asyncio.wait_for(self._changed.wait(), 1.0)
+                async with asyncio.timeout(1.0):  # `wait_for` of Python 3.11 may lose a cancellation
+                    await self._changed.wait()
             self._changed.clear()
             self.tell_all()
             await asyncio.sleep(_TOLD_EVERY)

@@ -4,6 +4,9 @@ import asyncio
 import csv
 import io
 import json
+import resource
+import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,11 +22,13 @@ from kapitsa_ros.rig.errors import UsageError
 
 pytest.importorskip('starlette')
 pytest.importorskip('uvicorn')
-from kapitsa_ros.web.class_folder import ClassFolder
+from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_tables import class_csv
 from kapitsa_ros.web.classroom import Classroom
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.hand_in import parse_hand_in
+from kapitsa_ros.web.page_client import PageClient
+from kapitsa_ros.web.student_bench import SLEEP_AFTER, StudentBench
 
 pytestmark = pytest.mark.xdist_group('web')
 TWO = """
@@ -118,6 +123,13 @@ def test_another_class_is_not_gone_on_with(tmp_path: Path) -> None:
         ClassFolder(tmp_path / 'kept', other)
     with pytest.raises(UsageError, match='holds no class'):
         ClassFolder(tmp_path, settings)
+    with alone_in(tmp_path / 'kept'), pytest.raises(UsageError, match='is served already'), alone_in(tmp_path / 'kept'):
+        pass
+    with alone_in(tmp_path / 'kept'):
+        pass
+    (tmp_path / 'kept' / 'bench_02' / 'bench.json').write_text('{"key": "a", "role": "teacher"}')
+    with pytest.raises(UsageError, match=r'bench\.json: cannot be read'):
+        again.benches[1].record()
     secret = [path for path in (tmp_path / 'kept').rglob('*') if path.is_file()]
     assert {path.stat().st_mode & 0o077 for path in secret} == {0}
 
@@ -161,6 +173,112 @@ def test_students_join_by_the_code_and_hand_in_against_the_sealed_rod(tmp_path: 
     page = document([row | {'name': row['name'].replace('cmd', '<b>')} for row in rows]).text
     assert '1 of 2 intervals hold' in page
     assert '<b>' not in page
+
+
+def test_what_a_full_disk_does_not_take_is_refused_with_its_reason(tmp_path: Path) -> None:
+    settings = load_class(written(tmp_path, TWO))
+    values = {'omega_crit_rpm': 900, 'low_rpm': 800, 'high_rpm': 1000}
+
+    async def sit() -> None:
+        room = Classroom(settings, ClassFolder(tmp_path / 'kept', settings))
+        ann = room.join(room.folder.join_code, 'Ann')
+        soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (64, hard))
+        try:
+            with pytest.raises(PageRequestError, match='could not be kept: File too large'):
+                ann.hand_in(values)
+            with pytest.raises(PageRequestError, match='cannot be given away'):
+                room.join(room.folder.join_code, 'Bob')
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert not ann.hand_ins
+        ann.hand_in(values)
+        assert room.join(room.folder.join_code, 'Bob').number == 2
+        await room.end()
+
+    asyncio.run(sit())
+    assert len(list((tmp_path / 'kept' / 'bench_01').iterdir())) == 3
+
+
+def test_time_stands_still_where_nobody_looks_and_goes_on_for_who_comes_back(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    settings = load_class(written(tmp_path, TWO))
+
+    class Controls:
+        """Of a rig that does at once what it is told."""
+
+        def toggle_pause(self) -> None:
+            bench.state.set_paused(paused=not bench.state.paused)
+
+    async def sit() -> StudentBench:
+        return Classroom(settings, ClassFolder(tmp_path / 'kept', settings)).benches[0]
+
+    bench = asyncio.run(sit())
+    monkeypatch.setattr(StudentBench, 'runs', True)
+    bench.controls = Controls()
+    page, now = PageClient('a', 'en'), time.monotonic()
+    stands_still = []
+    for moment in (0.0, SLEEP_AFTER - 1.0, SLEEP_AFTER + 1.0, SLEEP_AFTER + 2.0):
+        bench.look_after(now + moment)
+        stands_still.append(bench.state.paused)
+    assert stands_still == [False, False, True, True]
+    bench.pages.join(page, now)
+    bench.look_after(now + 2 * SLEEP_AFTER)
+    assert (bench.state.paused, bench.asleep) == (False, False)
+    bench.controls.toggle_pause()  # by the student
+    bench.pages.leave(page, now)
+    for moment in (2.5, 9.0):
+        bench.look_after(now + moment * SLEEP_AFTER)
+    bench.pages.join(page, now)
+    bench.look_after(now + 10 * SLEEP_AFTER)
+    assert bench.state.paused  # who has paused it finds it so
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which('chromium') is None, reason='no chromium here: apt install chromium')
+@pytest.mark.parametrize(('width', 'scheme'), [(1280, 'light'), (768, 'dark'), (390, 'dark')])
+def test_a_student_joins_and_hands_in_and_the_teacher_sees_it_in_the_browser(
+    serving: Callable[..., Any], tmp_path: Path, width: int, scheme: str
+) -> None:
+    playwright = pytest.importorskip('playwright.sync_api')
+    axe = pytest.importorskip('axe_playwright_python.sync_playwright').Axe()
+    server = serving(
+        tmp_path, 'class', 'serve', '--no-open', '--class', written(tmp_path, TWO), '--bags', tmp_path / 'kept'
+    )
+    token = json.loads((tmp_path / 'kept' / 'class.json').read_text())['token']
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=shutil.which('chromium'), args=['--no-sandbox'])
+        context = browser.new_context(viewport={'width': width, 'height': 800}, color_scheme=scheme)
+        pages = [context.new_page() for _ in range(2)]
+        student, teacher = pages
+        wrong: list[str] = []
+        for page in pages:
+            page.set_default_timeout(60_000)
+            page.on('pageerror', lambda error: wrong.append(str(error)))
+        student.goto(server.url)
+        student.get_by_label('Your name').fill('<b>Ann</b>')
+        student.keyboard.press('Enter')
+        student.get_by_test_id('omega-crit').fill('1500')
+        student.get_by_test_id('low').fill('1600')
+        student.get_by_test_id('high').fill('1700')
+        student.keyboard.press('Enter')
+        playwright.expect(student.get_by_test_id('said')).to_contain_text('the interval must hold', timeout=60_000)
+        student.get_by_test_id('low').fill('1400')
+        student.keyboard.press('Enter')
+        playwright.expect(student.get_by_test_id('handed-in')).to_contain_text('1400 to 1700', timeout=60_000)
+        teacher.goto(f'{server.url.partition("?")[0]}teacher?token={token}')
+        playwright.expect(teacher.get_by_test_id('benches')).to_contain_text('<b>Ann</b>', timeout=60_000)
+        playwright.expect(teacher.get_by_test_id('coverage')).to_contain_text('1 of 1 have handed in')
+        student.goto(server.url)
+        student.get_by_text('Back to the bench').click()
+        playwright.expect(student.get_by_test_id('handed-in')).to_contain_text('1400 to 1700', timeout=60_000)
+        for page in pages:
+            found = axe.run(page).response['violations']
+            assert [each['id'] for each in found if each['impact'] in {'serious', 'critical'}] == []
+            assert page.evaluate('() => document.documentElement.scrollWidth') <= width
+        assert not wrong
+        browser.close()
 
 
 def work(page: Any, speed: int) -> None:

@@ -9,6 +9,8 @@ export function showClass(report) {
     name: report.name, bench: report.bench,
     length: (1000 * report.told_length).toFixed(1), error: (1000 * report.ruler_error).toFixed(1),
   }));
+  const [stroke, error] = report.told_stroke.map((each) => (1000 * each).toFixed(1));
+  put('told-stroke', say('The fit of this page takes the stroke for {stroke} mm, give or take {error} mm (standard uncertainty).', { stroke, error }));
   if (!report.last) return;
   const [value, low, high] = report.last.map((speed) => String(Number(speed.toPrecision(6))));
   put('handed-in', say('Handed in: {value} RPM, {low} to {high} RPM (of {count} the last counts)', { count: report.handed_in, value, low, high }));
