@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros import __version__
 from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.laboratory.campaign import Outcome
+from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.units import RPM, in_rpm
 
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 
 OUTCOME_COLUMNS = ('point', 'seed', 'truth_rpm', 'omega_crit_rpm', 'low_rpm', 'high_rpm', 'ols_rpm', 'inverse_rpm')
 """Numbers of each experiment, beside its factors; null where there is none, or an end is unbounded."""
+_ROWS_AT_ONCE = _PARTS_AT_ONCE = 1024
+"""That are in memory."""
 _IDENTITY = b'kapitsa_ros.campaign'
 _ABOUT = b'kapitsa_ros.version'
 
@@ -77,16 +80,28 @@ class CampaignFile:
         with replacing(self._parts / f'{first:09}.parquet') as draft:
             _parquet().write_table(self._table(outcomes, first), draft)
 
-    def finish(self) -> list[Outcome]:
+    def finish(self) -> Outcomes:
         """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known."""
+        if not self.path.exists():
+            with replacing(self.path) as draft:
+                self._join_parts(draft)
+            shutil.rmtree(self._parts)
+        outcomes = Outcomes()
+        with _parquet().ParquetFile(self.path) as file:
+            for batch in file.iter_batches(_ROWS_AT_ONCE):
+                for row in batch.to_pylist():
+                    outcomes.add(_outcome(row))
+        return outcomes
+
+    def _join_parts(self, path: Path) -> None:
+        """Write what the parts hold, so many rows at once that a reader takes them quickly and memory stays small."""
         import pyarrow as pa  # noqa: PLC0415
 
-        if not self.path.exists():
-            table = pa.concat_tables([_parquet().read_table(part) for part in self._part_paths()])
-            with replacing(self.path) as draft:
-                _parquet().write_table(table, draft)
-            shutil.rmtree(self._parts)
-        return [_outcome(row) for row in read_campaign(self.path).to_pylist()]
+        parquet, parts = _parquet(), self._part_paths()
+        with parquet.ParquetWriter(path, parquet.read_schema(parts[0])) as writer:
+            for begin in range(0, len(parts), _PARTS_AT_ONCE):
+                some = parts[begin : begin + _PARTS_AT_ONCE]
+                writer.write_table(pa.concat_tables([parquet.read_table(part) for part in some]))
 
     def _part_paths(self) -> list[Path]:
         return sorted(self._parts.glob('*.parquet'))
