@@ -1,4 +1,4 @@
-"""The graph at rate 1, watched at 100 Hz: cores used, deadlines missed, frames shown; as processes and composed.
+"""The graph at rate 1, with a viewer: cores used, deadlines missed, frames shown; as processes and composed.
 
 The seconds are the first argument (default 60); CPU time is of the nodes, from their first step on.
 """

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 import shutil
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
 from kapitsa_ros.errors import OPTION, MissingPackageError, OutputError
 from kapitsa_ros.laboratory.campaign import Outcome
+from kapitsa_ros.laboratory.errors import DiskError
 from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.units import RPM, in_rpm
@@ -75,15 +78,30 @@ class CampaignFile:
         return sum(_parquet().read_metadata(part).num_rows for part in self._part_paths())
 
     def add(self, outcomes: Sequence[Outcome], first: int) -> None:
-        """Write the next outcomes, of which `first` is the number."""
-        self._parts.mkdir(exist_ok=True)
-        with replacing(self._parts / f'{first:09}.parquet') as draft:
-            _parquet().write_table(self._table(outcomes, first), draft)
+        """Write the next outcomes, of which `first` is the number.
+
+        Raises
+        ------
+        DiskError
+            The disk does not take them.
+
+        """
+        with self._naming_the_file():
+            self._parts.mkdir(exist_ok=True)
+            with replacing(self._parts / f'{first:09}.parquet') as draft:
+                _parquet().write_table(self._table(outcomes, first), draft)
 
     def finish(self) -> Outcomes:
-        """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known."""
+        """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known.
+
+        Raises
+        ------
+        DiskError
+            The disk does not take it.
+
+        """
         if not self.path.exists():
-            with replacing(self.path) as draft:
+            with self._naming_the_file(), replacing(self.path) as draft:
                 self._join_parts(draft)
             shutil.rmtree(self._parts)
         outcomes = Outcomes()
@@ -102,6 +120,16 @@ class CampaignFile:
             for begin in range(0, len(parts), _PARTS_AT_ONCE):
                 some = parts[begin : begin + _PARTS_AT_ONCE]
                 writer.write_table(pa.concat_tables([parquet.read_table(part) for part in some]))
+
+    @contextmanager
+    def _naming_the_file(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            why = os.strerror(error.errno) if error.errno else error
+            raise DiskError(
+                f'{self.path}: cannot be written ({why}); what was finished is kept: make room, then go on by --resume'
+            ) from error
 
     def _part_paths(self) -> list[Path]:
         return sorted(self._parts.glob('*.parquet'))
