@@ -18,6 +18,9 @@ SCRIPTS = (
     'trajectories',
     'reading_bags',
     'first_result',
+    'growth',
+    'graph_speed',
+    'real_time',
 )
 
 

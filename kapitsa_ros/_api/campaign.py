@@ -14,10 +14,11 @@ from kapitsa_ros._api.result import describe, figures, speed_text
 from kapitsa_ros.configuration.campaign_ranges import ONE_POINT, load_ranges
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.data_frame import data_frame
-from kapitsa_ros.laboratory.campaign import BATCH, Cores, efficiency, perform_at_points, summarise
+from kapitsa_ros.laboratory.campaign import BATCH, Cores, efficiency, perform_at_points, summarise_columns
 from kapitsa_ros.laboratory.campaign_file import CampaignFile
 from kapitsa_ros.laboratory.campaign_points import campaign_points, identity_of
 from kapitsa_ros.laboratory.dask_cluster import DaskCluster
+from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.units import RPM
@@ -184,26 +185,25 @@ def campaign(
     begin = time.perf_counter()
     coming = perform_at_points([point.experiment for point in points], each, workers, taken, done)
     kept = coming if file is None else _kept(coming, file, done)
-    fresh = list(kept if progress is None else progress(kept, each * len(points) - done))
+    fresh = Outcomes(kept if progress is None else progress(kept, each * len(points) - done))
     wall = time.perf_counter() - begin
     outcomes = fresh if file is None else file.finish()
-    at = [number for number in range(len(points)) for _ in range(each)]
+    omega_crit, low, high = outcomes.omega_crit, outcomes.low, outcomes.high
+    truth = np.repeat([point.truth for point in points], each)
+    at_points = (slice(number * each, (number + 1) * each) for number in range(len(points)))
     return CampaignResult(
         points=points,
-        point=np.array(at),
-        seed=np.array([outcome.seed for outcome in outcomes]),
-        omega_crit=np.array([outcome.omega_crit for outcome in outcomes], dtype=np.float64),
-        low=_ends([outcome.interval[0] for outcome in outcomes], -np.inf),
-        high=_ends([outcome.interval[1] for outcome in outcomes], np.inf),
-        failure=tuple(outcome.failure for outcome in outcomes),
-        summary=summarise(outcomes, [points[number].truth for number in at]),
-        at_points=tuple(
-            summarise(outcomes[number * each : (number + 1) * each], [point.truth] * each)
-            for number, point in enumerate(points)
-        ),
+        point=np.repeat(np.arange(len(points)), each),
+        seed=outcomes.seed,
+        omega_crit=omega_crit,
+        low=low,
+        high=high,
+        failure=outcomes.failure,
+        summary=summarise_columns(omega_crit, low, high, truth),
+        at_points=tuple(summarise_columns(omega_crit[at], low[at], high[at], truth[at]) for at in at_points),
         wall=wall,
         assumptions=taken,
-        efficiency=efficiency(fresh, wall, workers.count),
+        efficiency=efficiency(fresh.seconds, wall, workers.count),
     )
 
 
@@ -221,7 +221,3 @@ def _kept(outcomes: Iterator[Outcome], file: CampaignFile, done: int) -> Iterato
     finally:
         if waiting:
             file.add(waiting, done)
-
-
-def _ends(ends: list[float | None], unbounded: float) -> NDArray[np.float64]:
-    return np.array([unbounded if end is None else end for end in ends])

@@ -20,11 +20,14 @@ from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.units import is_within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
     from concurrent.futures import Future
+
+    from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed import CriticalSpeed, Evidence
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -194,30 +197,45 @@ def _perform_batch(batch: Batch, assumptions: Assumptions) -> list[Outcome]:
     return [perform(experiment, seed, assumptions) for seed in seeds]
 
 
-def efficiency(outcomes: Sequence[Outcome], wall: float, workers: int) -> float:
+def efficiency(seconds: float, wall: float, workers: int) -> float:
     """Return the seconds of computing in the experiments over those that the workers had in `wall` seconds."""
-    return sum(outcome.seconds for outcome in outcomes) / (wall * workers) if wall else math.nan
+    return seconds / (wall * workers) if wall else math.nan
 
 
-def summarise(outcomes: Sequence[Outcome], truth: float | Sequence[float]) -> Campaign:
-    """Sum up outcomes against the true critical speed, rad/s, or that of each."""
-    truths = [truth] * len(outcomes) if isinstance(truth, float) else truth
-    given = [outcome for outcome in outcomes if outcome.omega_crit is not None]
-    held = sum(
-        outcome.covers(true) for outcome, true in zip(outcomes, truths, strict=True) if outcome.omega_crit is not None
-    )
-    speeds = np.array([outcome.omega_crit for outcome in given], dtype=np.float64)
-    quantiles = np.quantile(speeds, (0.5, 0.16, 0.84)) if given else np.full(3, math.nan)
-    widths = [
-        high - low for low, high in (outcome.interval for outcome in given) if low is not None and high is not None
-    ]
+def summarise(outcomes: Iterable[Outcome], truth: float) -> Campaign:
+    """Sum up outcomes against the true critical speed, rad/s."""
+    found = Outcomes(outcomes)
+    return summarise_columns(found.omega_crit, found.low, found.high, np.full(len(found), truth))
+
+
+def summarise_columns(
+    omega_crit: NDArray[np.float64],
+    low: NDArray[np.float64],
+    high: NDArray[np.float64],
+    truth: NDArray[np.float64],
+) -> Campaign:
+    """Sum up outcomes against the true critical speed of each, rad/s.
+
+    Parameters
+    ----------
+    omega_crit, low, high
+        Critical speeds and their intervals as in `Outcomes`, shape (N,).
+    truth
+        Shape (N,).
+
+    """
+    given = np.isfinite(omega_crit)
+    count = int(given.sum())
+    held = int(((low <= truth) & (truth <= high))[given].sum())
+    quantiles = np.quantile(omega_crit[given], (0.5, 0.16, 0.84)) if count else np.full(3, math.nan)
+    widths = (high - low)[given & np.isfinite(low) & np.isfinite(high)]
     return Campaign(
-        experiments=len(outcomes),
-        failed=len(outcomes) - len(given),
+        experiments=omega_crit.size,
+        failed=omega_crit.size - count,
         omega_crit=(float(quantiles[0]), float(quantiles[1]), float(quantiles[2])),
-        coverage=held / len(given) if given else math.nan,
-        width=float(np.median(widths)) if widths else math.nan,
-        unbounded=len(given) - len(widths),
+        coverage=held / count if count else math.nan,
+        width=float(np.median(widths)) if widths.size else math.nan,
+        unbounded=count - widths.size,
     )
 
 

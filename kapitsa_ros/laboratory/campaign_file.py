@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import math
+import os
 import shutil
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +14,8 @@ from kapitsa_ros import __version__
 from kapitsa_ros.errors import OPTION, OutputError
 from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import Outcome
+from kapitsa_ros.laboratory.errors import DiskError
+from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.units import RPM, in_rpm
 
@@ -25,6 +29,8 @@ if TYPE_CHECKING:
 
 OUTCOME_COLUMNS = ('point', 'seed', 'truth_rpm', 'omega_crit_rpm', 'low_rpm', 'high_rpm', 'ols_rpm', 'inverse_rpm')
 """Numbers of each experiment, beside its factors; null where there is none, or an end is unbounded."""
+_ROWS_AT_ONCE = _PARTS_AT_ONCE = 1024
+"""That are in memory."""
 _IDENTITY = b'kapitsa_ros.campaign'
 _ABOUT = b'kapitsa_ros.version'
 
@@ -73,21 +79,58 @@ class CampaignFile:
         return sum(_parquet().read_metadata(part).num_rows for part in self._part_paths())
 
     def add(self, outcomes: Sequence[Outcome], first: int) -> None:
-        """Write the next outcomes, of which `first` is the number."""
-        self._parts.mkdir(exist_ok=True)
-        with replacing(self._parts / f'{first:09}.parquet') as draft:
-            _parquet().write_table(self._table(outcomes, first), draft)
+        """Write the next outcomes, of which `first` is the number.
 
-    def finish(self) -> list[Outcome]:
-        """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known."""
+        Raises
+        ------
+        DiskError
+            The disk does not take them.
+
+        """
+        with self._naming_the_file():
+            self._parts.mkdir(exist_ok=True)
+            with replacing(self._parts / f'{first:09}.parquet') as draft:
+                _parquet().write_table(self._table(outcomes, first), draft)
+
+    def finish(self) -> Outcomes:
+        """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known.
+
+        Raises
+        ------
+        DiskError
+            The disk does not take it.
+
+        """
+        if not self.path.exists():
+            with self._naming_the_file(), replacing(self.path) as draft:
+                self._join_parts(draft)
+            shutil.rmtree(self._parts)
+        outcomes = Outcomes()
+        with _parquet().ParquetFile(self.path) as file:
+            for batch in file.iter_batches(_ROWS_AT_ONCE):
+                for row in batch.to_pylist():
+                    outcomes.add(_outcome(row))
+        return outcomes
+
+    def _join_parts(self, path: Path) -> None:
+        """Write what the parts hold, so many rows at once that a reader takes them quickly and memory stays small."""
         import pyarrow as pa  # noqa: PLC0415
 
-        if not self.path.exists():
-            table = pa.concat_tables([_parquet().read_table(part) for part in self._part_paths()])
-            with replacing(self.path) as draft:
-                _parquet().write_table(table, draft)
-            shutil.rmtree(self._parts)
-        return [_outcome(row) for row in read_campaign(self.path).to_pylist()]
+        parquet, parts = _parquet(), self._part_paths()
+        with parquet.ParquetWriter(path, parquet.read_schema(parts[0])) as writer:
+            for begin in range(0, len(parts), _PARTS_AT_ONCE):
+                some = parts[begin : begin + _PARTS_AT_ONCE]
+                writer.write_table(pa.concat_tables([parquet.read_table(part) for part in some]))
+
+    @contextmanager
+    def _naming_the_file(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            why = os.strerror(error.errno) if error.errno else error
+            raise DiskError(
+                f'{self.path}: cannot be written ({why}); what was finished is kept: make room, then go on by --resume'
+            ) from error
 
     def _part_paths(self) -> list[Path]:
         return sorted(self._parts.glob('*.parquet'))

@@ -7,3 +7,9 @@ class ClusterError(KapitsaError):
     """A cluster cannot be used; the message says how to correct it."""
 
     exit_status = FAILED
+
+
+class DiskError(KapitsaError):
+    """The disk does not take the outcomes of a campaign; those that it has taken stay."""
+
+    exit_status = FAILED

@@ -57,6 +57,10 @@ class PendulumNode(StepNode):
         self.emit(MOTION, step.id, step.stamp_ns, motion)
         self._joint_states.offer(step.stamp_ns, lambda: (pivot, motion))
 
+    def pending(self) -> float:
+        """Return the seconds until viewers are shown something."""
+        return self._joint_states.wait()
+
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
         if self._settings_of_jigsaw.complete and not self._is_described:

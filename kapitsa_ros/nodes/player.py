@@ -111,6 +111,10 @@ class PlayerNode(DataflowNode):
                 return 0.0  # nobody is waited for: let services and signals have their turn
         return IDLE
 
+    def pending(self) -> float:
+        """Return the seconds until viewers are shown something."""
+        return self._joint_states.wait()
+
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
         return min(super().poll(), self._joint_states.refresh())

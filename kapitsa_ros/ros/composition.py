@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+import time
 from typing import TYPE_CHECKING, Any
 
 import rclpy
@@ -22,6 +24,8 @@ if TYPE_CHECKING:
 
 PATIENCE = 1.0
 """Seconds given to DDS to take the nodes down."""
+_LOOK_PERIOD = 0.01
+"""Seconds between two looks at whether to go on."""
 
 
 class Composition:
@@ -78,10 +82,15 @@ class Composition:
         self._executor = EventsExecutor()
         for node in self._nodes:
             self._executor.add_node(node)
-        is_ok = self._nodes[0].context.ok
+        looked = -math.inf
         try:
-            # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
-            while not self._loop.is_over and is_ok() and parent in (None, os.getppid()):
+            while not self._loop.is_over:
+                # To look with every message would cost a twentieth of the time; what is done after a shutdown fails.
+                if (now := time.monotonic()) - looked > _LOOK_PERIOD:
+                    looked = now
+                    if not (rclpy.ok() and parent in (None, os.getppid())):
+                        return
+                # The executor's own spin() busy-loops in these wheels; spin_once with a time-out does not.
                 self._executor.spin_once(timeout_sec=self._loop.poll())
         finally:
             self._loop.close()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -79,8 +80,10 @@ class DataflowNode(Node):
                 f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLE_NAMES)}'
             )
         self.finished = False
-        self.has_news = False
-        """Whether a message has come since the node was polled."""
+        self.heard = False
+        """Whether a message has come since somebody has looked, and..."""
+        self.wait = 0.0
+        """... in how many seconds the node has to be polled, as it has left it."""
         self._failure: Exception | None = None
         self._refused = 0
         self._held_up = 0
@@ -116,6 +119,10 @@ class DataflowNode(Node):
     def advance(self) -> float:
         """Do all steps whose inputs are there; return the seconds until the next call is due without a message."""
         raise NotImplementedError
+
+    def pending(self) -> float:
+        """Return the seconds until something is due besides steps."""
+        return math.inf
 
     def close(self) -> None:
         """Leave nothing half done: called once, however the node ends."""
@@ -172,6 +179,7 @@ class DataflowNode(Node):
     def keep_failure(self, error: Exception) -> None:
         """Fail soon: thrown through the executor an exception would lose its type."""
         self._failure = self._failure or error
+        self.heard, self.wait = True, 0.0
 
     def wait_until_taken(self, publisher: Publisher) -> None:
         """Wait for the readers of a topic to take all that was published, as long as DDS waits for them."""
@@ -219,7 +227,7 @@ class DataflowNode(Node):
 
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
-            self.has_news = True
+            self.heard = True
             if ends_session(step_id):
                 self._over.add(name)
             try:
@@ -230,6 +238,6 @@ class DataflowNode(Node):
             if not fresh:
                 self.refuse(f'a step of {name} that was there before')
             elif self._peers.matched:
-                self.advance()
+                self.wait = min(self.advance(), self.pending())
 
         return take

@@ -50,3 +50,7 @@ class JointStatePublisher:
                 )
             )
         return self._schedule.wait(now)
+
+    def wait(self) -> float:
+        """Return the seconds until the next frame is due."""
+        return self._schedule.wait(time.monotonic())

@@ -37,13 +37,22 @@ class NodeLoop:
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""
         now = time.monotonic()
-        # Where no message was it, a service or a time-out woke the executor: anybody's.
-        for node in [node for node, due in self._due.items() if node.has_news or due <= now] or list(self._due):
-            self.at_work, node.has_news = node, False
-            self._due[node] = now + node.poll()
+        heard = [node for node in self._due if node.heard]
+        for node in heard:
+            node.heard = False
+            self._due[node] = min(self._due[node], now + node.wait)
             if node.finished:
                 del self._due[node]
-        return max(0.0, min(self._due.values()) - time.monotonic()) if self._due else 0.0
+        # Where it was no message, a service or a time-out woke the executor: anybody's.
+        due = [node for node, at in self._due.items() if at <= now or not heard]
+        if due:
+            for node in due:
+                self.at_work = node
+                self._due[node] = now + node.poll()
+                if node.finished:
+                    del self._due[node]
+            now = time.monotonic()
+        return max(0.0, min(self._due.values()) - now) if self._due else 0.0
 
     def close(self) -> None:
         """Close all nodes, also where one of them fails in it."""

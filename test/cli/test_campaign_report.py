@@ -91,7 +91,7 @@ def campaign(tmp_path: Path) -> Path:
             )
     file.add(outcomes[:7], 0)
     file.add(outcomes[7:], 7)
-    assert [each.failure for each in file.finish()] == [each.failure for each in outcomes]
+    assert list(file.finish().failure) == [each.failure for each in outcomes]
     return path
 
 

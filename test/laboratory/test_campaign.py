@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import Outcome, efficiency, perform, perform_all, summarise
+from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
 from kapitsa_ros.operator.protocol import Protocol
@@ -120,7 +123,7 @@ def test_summary_counts_truth_width_and_open_ends():
     assert summary.coverage == 0.5
     assert summary.width == 1.25
     assert summary.unbounded == 2
-    assert efficiency(outcomes, 1.0, 2) == 1.0
+    assert efficiency(Outcomes(outcomes).seconds, 1.0, 2) == 1.0
 
 
 def test_no_experiments_are_refused():
@@ -153,3 +156,34 @@ def test_worn_pivot_has_a_lower_threshold_and_the_interval_knows():
     assert omega_crit_with_play(IDEAL) == TRUTH
     outcomes = list(perform_all(experiment(worn), 12))
     assert sum(outcome.covers(omega_crit_with_play(worn)) for outcome in outcomes) >= 10
+
+
+def test_a_hundred_thousand_outcomes_are_a_few_megabytes():
+    """So the memory of a campaign is what its workers need, however many experiments it has."""
+
+    def stream():
+        for seed in range(1, 100_001):
+            interval = (None if seed % 1000 else 1.0, 2.0)
+            failure = f'number {seed % 7}' if seed % 100 == 0 else None
+            omega = None if failure else 1.5
+            yield Outcome(
+                seed=seed,
+                omega_crit=omega,
+                interval=interval,
+                ols=None,
+                inverse_ols=None,
+                seconds=0.01,
+                failure=failure,
+            )
+
+    tracemalloc.start()
+    try:
+        found = Outcomes(stream())
+        kept, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert kept < 50 * 100_000
+    assert found.seconds == pytest.approx(1000.0)
+    assert found.seed[[0, -1]].tolist() == [1, 100_000]
+    assert found.failure[98:101] == (None, 'number 2', None)
+    assert np.isnan(found.omega_crit).sum() == 1000

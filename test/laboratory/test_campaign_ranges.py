@@ -1,6 +1,7 @@
 """What a campaign varies, and that its file holds the same outcomes whatever has interrupted it."""
 
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -13,10 +14,17 @@ import pytest
 import yaml
 
 import kapitsa_ros as kr
-from kapitsa_ros.configuration.campaign_ranges import load_ranges
+from kapitsa_ros.configuration.campaign_ranges import ONE_POINT, load_ranges
 from kapitsa_ros.configuration.errors import ConfigurationError
+from kapitsa_ros.configuration.instrument_sets import load_instruments
+from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.errors import OutputError
-from kapitsa_ros.laboratory import campaign_points
+from kapitsa_ros.laboratory import campaign_file, campaign_points
+from kapitsa_ros.laboratory.campaign import Outcome
+from kapitsa_ros.laboratory.campaign_file import CampaignFile
+from kapitsa_ros.laboratory.errors import DiskError
+from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 pa = pytest.importorskip('pyarrow')
@@ -151,3 +159,45 @@ def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkey
     monkeypatch.setattr(campaign_points, 'versions', lambda: {'kapitsa_ros': '0'})
     with pytest.raises(OutputError, match='of another campaign'):
         kr.campaign(experiments=1, output=output, resume=True)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> CampaignFile:
+    plain = SimulatedExperiment(
+        plant=Plant(), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
+    )
+    points = campaign_points.campaign_points(ONE_POINT, plain)
+    path = tmp_path / 'campaign.parquet'
+    return CampaignFile(path=path, points=points, experiments=4000, identity='a test', resume=True)
+
+
+def outcomes_of(seeds: range) -> list[Outcome]:
+    values = {'interval': (None, 150.0), 'ols': None, 'inverse_ols': 141.0}
+    return [Outcome(seed=seed, omega_crit=140.0 + 1e-3 * seed, seconds=0.01, **values) for seed in seeds]
+
+
+def test_a_disk_that_fills_keeps_what_was_finished(file: CampaignFile) -> None:
+    file.add(outcomes_of(range(1, 3)), 0)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1024, limits[1]))
+    try:
+        for write in (lambda: file.add(outcomes_of(range(3, 5)), 2), file.finish):
+            with pytest.raises(DiskError, match=r'campaign.parquet: cannot be written \(File too large\); .* --resume'):
+                write()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert file.done() == 2
+    file.add(outcomes_of(range(3, 5)), 2)
+    assert file.finish().seed.tolist() == [1, 2, 3, 4]
+    assert parquet.read_table(file.path)['low_rpm'].null_count == 4
+
+
+def test_parts_are_joined_in_their_order_in_little_memory(file: CampaignFile, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(campaign_file, '_PARTS_AT_ONCE', 7)
+    for first in range(0, 4000, 100):
+        file.add(outcomes_of(range(first + 1, first + 101)), first)
+    found = file.finish()
+    assert found.seed.tolist() == list(range(1, 4001))
+    assert parquet.read_table(file.path)['seed'].to_pylist() == list(range(1, 4001))
+    assert parquet.read_metadata(file.path).num_row_groups == 6  # 40 parts
+    assert found.low.tolist() == [-np.inf] * 4000
