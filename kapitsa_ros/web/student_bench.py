@@ -105,6 +105,7 @@ class StudentBench(WebBench):
     async def repair(self) -> None:
         """Start another rig in place of one that died, or was cut off with the server."""
         async with self._starts:
+            self._asleep = False
             await super().repair()
 
     async def end(self) -> None:
