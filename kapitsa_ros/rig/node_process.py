@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 LAST_LINES = 20
 """Of a node."""
 _OTHER = 'second writer'
-_SAYS = r'\[(?:[^\]]*\.)?(\w+)\]: '
-"""Begin of what a node logs, with its name."""
+_SAYS = r'(\w+)\]?: '
+"""What stands before a node's line: its name, in brackets unless the user wants it otherwise."""
 _REFUSED = re.compile(rf'{_SAYS}(refused: .+ \(\d+ so far\))$')
 _JOINED, _WAITING = re.compile(rf'{_SAYS}joins domain \d+$'), re.compile(rf'{_SAYS}waiting for (.+) in domain \d+')
 _FOUND = re.compile(rf'{_SAYS}waits for nobody any more$')

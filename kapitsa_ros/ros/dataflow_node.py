@@ -228,6 +228,8 @@ class DataflowNode(Node):
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
             self.heard = True
+            if self.finished:  # what others of its process still say is not for it
+                return
             if ends_session(step_id):
                 self._over.add(name)
             try:

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.slow
 EXPERIMENTS = 120
 
 
-class Cluster:
+class DaskProcesses:
     """A scheduler and two workers on this machine, which hear this machine alone."""
 
     def __init__(self, folder: Path, stack: ExitStack, eventually: Callable[[Callable[[], bool]], None]) -> None:
@@ -45,9 +45,9 @@ class Cluster:
 
 
 @pytest.fixture
-def cluster(tmp_path: Path, eventually: Callable[[Callable[[], bool]], None]) -> Iterator[Cluster]:
+def cluster(tmp_path: Path, eventually: Callable[[Callable[[], bool]], None]) -> Iterator[DaskProcesses]:
     with ExitStack() as stack:
-        yield Cluster(tmp_path, stack, eventually)
+        yield DaskProcesses(tmp_path, stack, eventually)
 
 
 def killing(process: subprocess.Popen[bytes]) -> Callable[[Iterator[Outcome], int], Iterable[Outcome]]:
@@ -62,7 +62,7 @@ def killing(process: subprocess.Popen[bytes]) -> Callable[[Iterator[Outcome], in
     return pass_on
 
 
-def test_a_killed_worker_changes_nothing(cluster: Cluster, tmp_path: Path) -> None:
+def test_a_killed_worker_changes_nothing(cluster: DaskProcesses, tmp_path: Path) -> None:
     there, here = tmp_path / 'there.parquet', tmp_path / 'here.parquet'
     on_cluster = {'scheduler': cluster.address, 'progress': killing(cluster.workers[0])}
     kr.campaign('ideal', experiments=EXPERIMENTS, output=there, **on_cluster)
@@ -71,7 +71,7 @@ def test_a_killed_worker_changes_nothing(cluster: Cluster, tmp_path: Path) -> No
     assert parquet.read_table(there).equals(parquet.read_table(here))
 
 
-def test_what_was_finished_outlives_the_scheduler(cluster: Cluster, tmp_path: Path) -> None:
+def test_what_was_finished_outlives_the_scheduler(cluster: DaskProcesses, tmp_path: Path) -> None:
     output, here = tmp_path / 'there.parquet', tmp_path / 'here.parquet'
     with pytest.raises(ClusterError, match='is gone: what was finished is kept'):
         kr.campaign(
