@@ -186,7 +186,7 @@ def test_data_frames_name_their_units_and_have_all_rows() -> None:
 
 def test_without_pandas_the_mend_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, 'pandas', None)
-    with pytest.raises(kr.KapitsaError, match='pip install pandas'):
+    with pytest.raises(kr.KapitsaError, match=r'a data frame needs pandas: .*pip install "kapitsa_ros\[report\]"'):
         FRAMES['theory']().to_pandas()
 
 
