@@ -106,6 +106,8 @@ class DataflowNode(Node):
         self._known_strangers: set[str] = set()
         self._over: set[str] = set()
         """Topics on which it was said that no run follows."""
+        self._heard_since = False
+        """Whether a message came since the last look at the graph."""
         for topic in (*self.reads, *self.writes):
             load_type(topic.type)
         self._peers = PeerDiscovery(self, self.writes, self.reads, self.expected)
@@ -212,7 +214,8 @@ class DataflowNode(Node):
             self.diagnostics.publish(report)
             if self._peers.matched:
                 self._name_strangers()
-                self._peers.refuse_lost(self._over)
+                self._peers.refuse_lost(self._over, heard=self._heard_since)
+                self._heard_since = False
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
     def _say_held_up(self, topic: str, how: str) -> None:
@@ -227,7 +230,7 @@ class DataflowNode(Node):
 
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
-            self.heard = True
+            self.heard = self._heard_since = True
             if self.finished:  # what others of its process still say is not for it
                 return
             if ends_session(step_id):

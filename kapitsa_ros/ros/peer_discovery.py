@@ -67,13 +67,17 @@ class PeerDiscovery:
             )
         return self.matched
 
-    def refuse_lost(self, over: Collection[str]) -> None:
-        """Look whether everyone who was there still is; called now and then.
+    def refuse_lost(self, over: Collection[str], *, heard: bool) -> None:
+        """Look whether everyone whom this node reads still is there; called now and then.
+
+        Who only reads may leave: it was through before this node, and where it was not, those it writes to miss it.
 
         Parameters
         ----------
         over
-            Topics on which it was said that no run follows: their readers and writers may leave.
+            Topics on which it was said that no run follows: their writers may leave.
+        heard
+            Whether a message came since the last call: then what a lost one said last may still be on its way.
 
         Raises
         ------
@@ -81,9 +85,9 @@ class PeerDiscovery:
             Someone has been out of reach for too long.
 
         """
-        lost = self._missing(over)
+        lost = self._unwritten(over)
         now = time.monotonic()
-        if not lost:
+        if heard or not lost:
             self._lost_since = None
         elif self._lost_since is None:
             self._lost_since = now
@@ -94,15 +98,19 @@ class PeerDiscovery:
         """Return the names of the nodes that read a topic."""
         return node_names(self._node.get_subscriptions_info_by_topic(topic))
 
-    def _missing(self, over: Collection[str] = ()) -> set[str]:
-        missing: set[str] = set()
+    def _missing(self) -> set[str]:
+        missing = self._unwritten()
         for topic, wanted in self._writes.items():
-            if topic.name not in over:
-                missing |= wanted - set(self.readers(topic.name))
-        for topic in self._reads:
-            if topic.name not in over and not self._node.get_publishers_info_by_topic(topic.name):
-                missing.add(writer_of(topic).name)
+            missing |= wanted - set(self.readers(topic.name))
         return missing
+
+    def _unwritten(self, over: Collection[str] = ()) -> set[str]:
+        """Return who would write the topics that this node reads and nobody writes."""
+        return {
+            writer_of(topic).name
+            for topic in self._reads
+            if topic.name not in over and not self._node.get_publishers_info_by_topic(topic.name)
+        }
 
     def _refuse_doubles(self) -> None:
         for topic in (*self._writes, *self._reads):
