@@ -16,10 +16,10 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import betaincinv
 
 from kapitsa_ros.analysis.critical_speed import fit_timings, ruler_of
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
+from kapitsa_ros.analysis.share_range import share_range
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
@@ -152,8 +152,7 @@ def summary(results: Iterable[Result]) -> str:
     number = len(every)
     held = sum(is_within(each.truth, each.interval) for each in every)
     told_held = sum(is_within(each.truth, each.told_interval) for each in every)
-    low = 0.0 if held == 0 else float(betaincinv(held, number - held + 1, 0.005))
-    high = 1.0 if held == number else float(betaincinv(held + 1, number - held, 0.995))
+    low, high = share_range(held, number, 0.99)
     width, told = (_median_width([getattr(each, name) for each in every]) for name in ('interval', 'told_interval'))
     unbounded = sum(None in each.interval for each in every) / number
     good = low <= EXPECTED[1] and high >= EXPECTED[0]

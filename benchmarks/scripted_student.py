@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 HEADER = struct.Struct('<IIddI')
 SWINGS = 3
-GRADUATION = 20.0
-"""Of the dial, flashes a minute."""
 SPIN_UP = 4.0
 """Seconds of the run that the shaft is given."""
 PATIENCE = 15.0

@@ -28,6 +28,8 @@ from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 PATIENCE = 120.0
+READ_WHEN_USED = {'COLUMNS', 'ROS_DOMAIN_ID'}
+"""Variables that no module reads as it is loaded."""
 
 
 @pytest.fixture(scope='session', autouse=True)
@@ -66,12 +68,12 @@ def command_server(signals_heard: None) -> Iterator[CommandServer]:  # noqa: ARG
 
 @pytest.fixture(scope='session')
 def kapitsa(command_server: CommandServer) -> Callable[..., Answer]:
-    """Run `kapitsa` with arguments; in a new interpreter where the environment holds what only its start reads."""
+    """Run `kapitsa` with arguments; in a new interpreter where modules may read the environment as they load."""
 
     def run(*arguments: object, env: dict[str, str] | None = None) -> Answer:
         given, encoding = env or {}, (env or {}).get('PYTHONIOENCODING', 'utf-8')
         with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
-            if any(name.startswith('PYTHON') for name in given):
+            if given.keys() - READ_WHEN_USED:
                 command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments)]
                 done = subprocess.run(
                     command, env=os.environ | given, stdout=out, stderr=err, timeout=PATIENCE, check=False

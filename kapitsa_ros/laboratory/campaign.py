@@ -21,7 +21,6 @@ from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.laboratory.outcomes import Outcomes
-from kapitsa_ros.units import is_within
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -55,10 +54,6 @@ class Outcome:
     """Of computing."""
     failure: str | None = None
     """Why there is no critical speed, in words; None where there is one."""
-
-    def covers(self, truth: float) -> bool:
-        """Whether the interval holds the truth; an end that is unbounded excludes nothing."""
-        return is_within(truth, self.interval)
 
 
 @dataclass(frozen=True, kw_only=True)
