@@ -29,16 +29,16 @@ _Predicted: TypeAlias = 'Callable[[float], NDArray[np.float64]]'
 """Periods by the value of a cause's parameter."""
 _Tried: TypeAlias = 'Sequence[tuple[Cause, _Predicted]]'
 
-SUPPORT = RISE_95
+_EXCLUDED = 0.01  # probability of a misfit this large below which a cause is no candidate beside a better one
+SUPPORT = float(chdtri(1, _EXCLUDED))
 """Explanations within this of the best AIC cannot be told from it.
 
-A true cause that another can imitate with one parameter more loses to it by more in one case of twenty, by chance. Nor
-can one be excluded that tunes nothing, or only among given values, and misfits no more than in 99 of 100 tables: those
-that tune freely fit noise as well.
+A true cause that another can imitate with one parameter more loses to it by more in one case of a hundred, by chance;
+one in twenty would not do, as the best of a dozen is picked. Nor can one be excluded that tunes nothing, or only among
+given values, and misfits no more than in 99 of 100 tables: those that tune freely fit noise as well.
 """
 
 _REJECTED = 0.001  # probability of a χ² this large below which a cause does not fit
-_EXCLUDED = 0.01  # below which it is no candidate beside a better one
 _MISSING = 1e15  # χ² of a run that could not have been timed
 
 
