@@ -67,6 +67,11 @@ _FOLDED = {
 }
 
 
+def counted(number: int, noun: str) -> str:
+    """Return a number of things in words: 1 run, 3 runs."""
+    return f'{number} {noun}{"" if number == 1 else "s"}'
+
+
 def in_rpm(speed: float | None) -> float | None:
     """Return a speed in rad/s as revolutions a minute; None where there is none, or nan."""
     return None if speed is None or math.isnan(speed) else speed / RPM

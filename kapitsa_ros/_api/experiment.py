@@ -13,7 +13,7 @@ from kapitsa_ros._api.result import describe, interval_text, speed_text, speeds_
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.rig.setup import Setup
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import RPM, counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -50,7 +50,7 @@ class ExperimentResult:
 
     def __repr__(self) -> str:
         return describe(
-            f'ExperimentResult: {len(self.bags)} run(s), {self.realtime_factor:.0f} times real time',
+            f'ExperimentResult: {counted(len(self.bags), "run")}, {self.realtime_factor:.0f} times real time',
             speeds_read=speeds_text(self.speed_reading[np.isfinite(self.speed_reading)]),
             critical_speed=speed_text(self.omega_crit, self.omega_crit_interval),
             interval=interval_text(self.omega_crit_interval),

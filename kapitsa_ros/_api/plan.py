@@ -13,7 +13,7 @@ from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.cheapest import FASTEST
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.quantities import to_si
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import RPM, counted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,7 +44,7 @@ class PlannedProtocol:
         return describe(
             f'PlannedProtocol: ±{self.expected_percent:.2f} % (95 %) after {self.seconds:.0f} s at the bench',
             speeds=speeds_text(self.speeds),
-            timings=f'{self.repeats} of {self.swings} swing(s) at each',
+            timings=f'{self.repeats} of {counted(self.swings, "swing")} at each',
             decides=f'{" or ".join(self.separation.between)}: {speed_text(self.separation.speed)}, '
             f'{self.separation.sigmas:.1f} standard uncertainties apart',
         )

@@ -13,6 +13,7 @@ from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.naming import repeats, run_folders
 from kapitsa_ros.recording.reader import runs_of
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -35,7 +36,7 @@ class Report:
     def __repr__(self) -> str:
         estimates = {each.name.replace(' ', '_'): speed_text(each.value) for each in self.content.estimates}
         return describe(
-            f'Report on {len(self.content.runs)} run(s): {self.output}',
+            f'Report on {counted(len(self.content.runs), "run")}: {self.output}',
             **estimates,
             predicted=speed_text(self.content.predicted),
             warnings='; '.join(self.warnings) or 'none',

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -102,6 +103,6 @@ def require_two_speeds(readings: Readings) -> None:
 
     """
     if readings.forcing.size < 2:
-        raise TableError(f'{readings.forcing.size} row(s): time the swing at two speeds or more')
+        raise TableError(f'{counted(readings.forcing.size, "row")}: time the swing at two speeds or more')
     if np.ptp(readings.forcing) <= 1e-9 * readings.forcing.max():
         raise TableError('all speeds are equal: time the swing at another speed too')

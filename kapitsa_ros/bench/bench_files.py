@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,12 +34,8 @@ def print_what_is_left(folders: Sequence[Path], notebook: Notebook) -> None:
     recorded = {folder: sorted(folder.glob('run_*')) for folder in folders}
     for folder, runs in recorded.items():
         if runs:
-            click.echo(f'{_counted(runs, "run")} in {folder}: kapitsa analyse {folder}/*')
+            click.echo(f'{counted(len(runs), "run")} in {folder}: kapitsa analyse {folder}/*')
     if not any(recorded.values()):
         click.echo('no run was recorded')
     if rows := notebook.rows:
-        click.echo(f'{_counted(rows, "reading")} of yours in {notebook.path}: kapitsa reduce {notebook.path}')
-
-
-def _counted(things: Sequence[object], name: str) -> str:
-    return f'{len(things)} {name}{"" if len(things) == 1 else "s"}'
+        click.echo(f'{counted(len(rows), "reading")} of yours in {notebook.path}: kapitsa reduce {notebook.path}')

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 from rich.console import Console
 from rich.status import Status
 
+from kapitsa_ros.units import counted
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
 def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
     """Show how far the graph is; yield what takes the reports."""
     console = Console(file=sys.stderr)
-    status = Status(f'starting the graph for {runs} run(s)', console=console)
+    status = Status(f'starting the graph for {counted(runs, "run")}', console=console)
     printed: set[str] = set()
 
     def take(values: dict[str, str]) -> None:

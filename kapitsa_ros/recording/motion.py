@@ -11,6 +11,7 @@ from kapitsa_ros.data_frame import data_frame, dataset
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -49,7 +50,9 @@ class Motion:
         """
         periods = np.diff(self.stamps_ns)
         if self.gaps:
-            raise BagError(f'{self.lost:g} s of the motion are missing in {self.gaps} place(s): it has no one rate')
+            raise BagError(
+                f'{self.lost:g} s of the motion are missing in {counted(self.gaps, "place")}: it has no one rate'
+            )
         if not periods.size or np.ptp(periods):
             raise BagError('the samples of the motion are not equally far apart: it has no one rate')
         return float(SECOND / periods[0])

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
 
-from kapitsa_ros.units import RPM
+from kapitsa_ros.units import RPM, counted
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,11 +39,13 @@ def bag_table(values: Mapping[str, Any]) -> Table:
 
 def bag_conclusion(values: Mapping[str, Any], run: Run, path: str) -> list[str]:
     """Return what the run is, whether it is whole, and what to do next."""
-    said = [f'{len(run.timings)} timing(s) or fall(s), {run.speed_asked / RPM:.0f} RPM asked for.']
+    kinds = Counter(timing.kind for timing in run.timings)
+    swings = ', '.join(f'{number} {kind}' for kind, number in kinds.items()) or 'none timed'
+    said = [f'Swings: {swings}; {run.speed_asked / RPM:.0f} RPM asked for.']
     if not values['complete']:
         said.append('The run was interrupted: what was recorded until then is there.')
     if values['gaps']:
-        said.append(f'{values["lost_s"]:.3g} s of motion are missing, in {values["gaps"]} place(s).')
+        said.append(f'{values["lost_s"]:.3g} s of motion are missing, in {counted(values["gaps"], "place")}.')
     elif values['complete']:
         said.append('The run is whole: it came to its end, and no sample of the motion is missing.')
     said.append(f'Digest: {values["digest"]}')

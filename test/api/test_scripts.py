@@ -27,8 +27,8 @@ SAID = {
     'figures': 'figures/figure_2.svg',
     'plan': 'PlannedProtocol',
     'campaign': 'CampaignResult: 16 experiments, 0 without',
-    'experiment': 'ExperimentResult: 3 run(s)',
-    'report': 'Report on 3 run(s): report.html',
+    'experiment': 'ExperimentResult: 3 runs',
+    'report': 'Report on 3 runs: report.html',
     'rig': 'StopwatchReading',
     'verify': 'run_01_2240rpm: identical\n',
 }

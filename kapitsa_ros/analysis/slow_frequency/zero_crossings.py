@@ -9,6 +9,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.slow_frequency.softening import of_small_swing
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.slow_frequency.estimate import SlowEstimate, SwingRecord
@@ -36,7 +37,7 @@ def zero_crossing_frequency(record: SwingRecord, softening: float = 0.0) -> Slow
     times, angle = record.drive_nulled()
     index = np.flatnonzero(np.signbit(angle[1:]) != np.signbit(angle[:-1]))
     if index.size < 2:
-        raise AnalysisError(f'{index.size} passage(s) through upright: record for longer')
+        raise AnalysisError(f'{counted(index.size, "passage")} through upright: record for longer')
     before, after = angle[index], angle[index + 1]
     passages = times[index] + (times[index + 1] - times[index]) * before / (before - after)
     number = np.arange(passages.size) - 0.5 * (passages.size - 1)

@@ -27,6 +27,7 @@ from kapitsa_ros.output_file import check_output
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.schema import describe
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -85,7 +86,7 @@ def analyse(
     if table is not None:
         check_output(table, 'table', overwrite=overwrite)
     warn_of_repeats(bags)
-    with shown_stages(f'reading and fitting {len(bags)} run(s)'):
+    with shown_stages(f'reading and fitting {counted(len(bags), "run")}'):
         if joint is not None:
             values = analyse_joints(
                 bags, joint, speeds, plant, estimator=estimator or DEFAULT_ESTIMATOR, assumptions=assumptions

@@ -82,7 +82,7 @@ def _of_run(run: RecordedRun) -> list[tuple[Figure, str]]:
         speed = f'{run.forcing_of(swing) / RPM:.0f} RPM asked for'
         kind = 'timed' if timing is None else timing.kind
         fell = kind == 'fell'
-        end = f'let go at {abs(swing.angle[0]):.3g} rad{_ENDS.get(kind, "")}'
+        end = f'let go at {swing.angle[0]:.3g} rad{_ENDS.get(kind, "")}'
         figures.append((recorded_swing(swing, name), f'The angle as recorded, from the release on: {end}, {speed}.'))
         if not fell:
             figures.append(

@@ -25,7 +25,7 @@ from kapitsa_ros.reporting.explanation import error_sentences, explanation_rows
 from kapitsa_ros.reporting.report_tables import beside_1997, ends, repairs
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.schema import describe
-from kapitsa_ros.units import INCH, RPM, decimals_within, interval_text, is_within
+from kapitsa_ros.units import INCH, RPM, counted, decimals_within, interval_text, is_within
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -46,8 +46,8 @@ def report_text(content: Content, drawings: Sequence[Drawing]) -> str:
     )
     environment.globals.update(error_sentences=error_sentences, explanation_rows=explanation_rows, is_within=is_within)
     environment.filters.update(
-        rpm=_rpm, rpm_within=_rpm_within, inch=_inch, number=_number, ends=_ends, plain=plain, sentence=_sentence,
-        budget_rows=budget_rows, budget_sentences=budget_sentences,
+        rpm=_rpm, rpm_within=_rpm_within, inch=_inch, number=_number, counted=counted, ends=_ends, plain=plain,
+        sentence=_sentence, budget_rows=budget_rows, budget_sentences=budget_sentences,
     )  # fmt: skip
     template = environment.from_string(resource_path('config', 'report', 'report.md').read_text(encoding='utf-8'))
     timings = [timing_values(row) for row in content.timings]
