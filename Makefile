@@ -4,8 +4,7 @@
 PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
-CONSTRAINTS ?= constraints.txt
-EXTRAS ?= all
+PIP_INSTALL := $(BIN)/pip install --quiet --disable-pip-version-check
 # Whatever is started here keeps to this machine.
 export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
@@ -13,9 +12,19 @@ export ROS_AUTOMATIC_DISCOVERY_RANGE ?= LOCALHOST
 
 setup: $(VENV)/.done
 
-$(VENV)/.done: setup.py $(CONSTRAINTS)
+# Nothing is installed whose hash requirements.txt does not have: what builds from source is built by setuptools of there.
+$(VENV)/.done: setup.py requirements.txt
 	$(PYTHON) -m venv --clear $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check -c $(CONSTRAINTS) -e '.[$(EXTRAS)]'
+	$(PIP_INSTALL) --require-hashes --only-binary :all: -r requirements-build.txt
+	$(PIP_INSTALL) --require-hashes --no-build-isolation --no-deps -r requirements.txt
+	$(PIP_INSTALL) --no-build-isolation --no-deps -e .
+	$(BIN)/pip check --disable-pip-version-check
+	$(BIN)/python -m kapitsa_ros.physics.compile_kernels
+	touch $@
+
+.venv-oldest/.done: setup.py constraints-oldest.txt
+	$(PYTHON) -m venv --clear .venv-oldest
+	$(PIP_INSTALL) -c constraints-oldest.txt -e '.[dev,report,bench,web]'
 	$(BIN)/python -m kapitsa_ros.physics.compile_kernels
 	touch $@
 
@@ -30,7 +39,7 @@ test-slow: setup
 	$(BIN)/python -m pytest -m slow
 
 test-oldest:
-	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench,web
+	$(MAKE) test VENV=.venv-oldest
 
 test-nightly: setup
 	.ci/nightly

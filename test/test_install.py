@@ -155,3 +155,11 @@ def test_links_to_what_is_installed_are_enough_to_build(tmp_path: Path) -> None:
     )
     assert done.stdout.splitlines()[-1:] == ['kapitsa_ros'], done.stderr
     assert {path.name for path in (tmp_path / 'build' / 'node_scripts').iterdir()} == ROLES
+
+
+def test_what_is_pinned_is_pinned_by_its_hash():
+    pinned = re.findall(r'^([\w.-]+==\S+)$', (CHECKOUT / 'constraints.txt').read_text('utf-8'), re.MULTILINE)
+    locked = ''.join((CHECKOUT / f'requirements{name}.txt').read_text('utf-8') for name in ('', '-build'))
+    by_hash = re.findall(r'^([\w.-]+==\S+) \\\n    --hash=sha256:[0-9a-f]{64}', locked, re.MULTILINE)
+    assert len(pinned) > 100
+    assert sorted(by_hash) == sorted(pinned)
