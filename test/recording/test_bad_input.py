@@ -2,6 +2,7 @@
 
 import struct
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 import lz4.frame
@@ -56,13 +57,19 @@ def test_no_change_of_the_bytes_gives_another_result_in_silence(tmp_path: Path, 
 @pytest.mark.slow
 @pytest.mark.parametrize('name', ['', 'metadata.yaml'])
 @pytest.mark.parametrize('storage', STORAGES)
-def test_a_hundred_thousand_changes(tmp_path: Path, storage: str, name: str) -> None:
-    assert outcomes(tmp_path, storage, name, 25_000, 1998)
+def test_a_hundred_thousand_changes(
+    tmp_path: Path, storage: str, name: str, record_property: Callable[[str, object], None]
+) -> None:
+    found = outcomes(tmp_path, storage, name, 25_000, 1998)
+    record_property('outcomes', dict(found))
+    assert found.total() == 25_000
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize('storage', STORAGES)
-def test_cut_at_every_byte_and_every_byte_flipped(tmp_path: Path, storage: str) -> None:
+def test_cut_at_every_byte_and_every_byte_flipped(
+    tmp_path: Path, storage: str, record_property: Callable[[str, object], None]
+) -> None:
     bag = write(tmp_path / 'run', storage=storage, samples=2)
     right = meaning(RunBag(bag))
     changed = storage_file(bag)
@@ -77,6 +84,7 @@ def test_cut_at_every_byte_and_every_byte_flipped(tmp_path: Path, storage: str) 
             result = outcome(bag, right)
             assert result in (SAME, SAID, REFUSED), f'{how} at {at}: {result}'
             found[f'{how}: {result}'] += 1
+    record_property('outcomes', dict(found))
     assert len(found) > 3
 
 
