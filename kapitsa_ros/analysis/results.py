@@ -24,6 +24,15 @@ def run_values(run: Run) -> dict[str, Any]:
     }
 
 
+def motion_values(run: Run, period: float | None) -> dict[str, Any]:
+    """Return what the readings of one run say, and the speed and the small swing's period, s, taken of its motion."""
+    return run_values(run) | {
+        'speed_taken_rpm': in_rpm(run.speed_asked),
+        'period_s': period,
+        'slow_rpm': None if period is None else 60.0 / period,
+    }
+
+
 def experiment_values(experiment: Experiment) -> dict[str, Any]:
     """Return what the runs say together."""
     interval = experiment.interval

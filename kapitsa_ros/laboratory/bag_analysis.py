@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros import __version__
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import budget_of, reduce_motions, reduce_runs
-from kapitsa_ros.analysis.results import budget_values, experiment_values, run_values
+from kapitsa_ros.analysis.results import budget_values, experiment_values, motion_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.recording.reader import RunBag, runs_of
 
@@ -70,11 +70,7 @@ def analyse_motions(
     runs = []
     for bag in bags:
         period = None if bag.run.fell else float(next(periods))
-        runs.append(
-            recorded_values(bag)
-            | run_values(bag.run)
-            | {'period_s': period, 'slow_rpm': None if period is None else 60.0 / period}
-        )
+        runs.append(recorded_values(bag) | motion_values(bag.run, period))
     return {'runs': runs} | experiment_values(experiment) | origin(bags[0].run)
 
 

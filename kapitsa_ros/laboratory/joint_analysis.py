@@ -11,7 +11,7 @@ from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.experiment import reduce_motions
 from kapitsa_ros.analysis.recorded_run import RecordedRun
-from kapitsa_ros.analysis.results import experiment_values, run_values
+from kapitsa_ros.analysis.results import experiment_values, motion_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.analysis.uneven_series import even_series
 from kapitsa_ros.network.run import Run
@@ -95,7 +95,7 @@ def analyse_joints(
         )
     experiment, found = reduce_motions(recorded, estimator, assumptions)
     for values, each, period in zip(runs, recorded, found.period, strict=True):
-        values.update(run_values(each.run), period_s=float(period), slow_rpm=60.0 / float(period))
+        values.update(motion_values(each.run, float(period)))
     told = {'plant': asdict(plant), 'instruments': None, 'protocol': None, 'seed': None, 'version': __version__}
     # What is told of the plant is no truth.
     unknown = {'truth_rpm': None, 'deviation_percent': None}

@@ -58,9 +58,7 @@ def _measurements(values: Mapping[str, Any]) -> Table:
         for omega, period in zip(readings.forcing, readings.period, strict=True)
     ]
     ours = _timings(values)
-    asked = [row['speed_asked_rpm'] for row in values['timings']] or [
-        run['speed_reading_rpm'] for run in values['runs']
-    ]
+    asked = [row['speed_asked_rpm'] for row in values['timings']] or [_speed(run) for run in values['runs']]
     for row, of_1997 in beside_1997(asked, [omega / RPM for omega in readings.forcing.tolist()]):
         run, *measured = ('', *_BLANK) if row is None else ours[row]
         table.add_row(run, *(_BLANK if of_1997 is None else report[of_1997]), *measured)
@@ -87,7 +85,7 @@ def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
         return [
             (
                 str(number),
-                _number(run['speed_reading_rpm'], '.1f'),
+                _number(_speed(run), '.1f'),
                 'fell' if run['fell'] else _number(run['period_s'], '.3f'),
                 _number(run['slow_rpm'], '.1f'),
             )
@@ -108,6 +106,12 @@ def _timings(values: Mapping[str, Any]) -> list[tuple[str, str, str, str]]:
     return rows
 
 
+def _speed(run: Mapping[str, Any]) -> float | None:
+    """Return the speed that was taken for a run's motion, or read in it, RPM."""
+    speed: float | None = run.get('speed_taken_rpm', run['speed_reading_rpm'])
+    return speed
+
+
 def ends(values: Mapping[str, Any]) -> list[str]:
     """Return what the kinds of end without a timing mean, of those that there were."""
     kinds = {timing['kind'] for timing in values['timings']}
@@ -117,6 +121,8 @@ def ends(values: Mapping[str, Any]) -> list[str]:
 def repairs(values: Mapping[str, Any]) -> list[str]:
     """Return what was repaired or left out of the readings, a sentence each."""
     said = []
+    if any('speed_taken_rpm' in run for run in values.get('runs', ())):
+        said.append('speeds are those asked for; periods are those of a small swing: what its width adds is taken off')
     for timing in values['timings']:
         if timing['unused'] is not None:
             said.append(f'run {timing["run"]}: {timing["kind"]}, left out: {timing["unused"]}')

@@ -1,6 +1,7 @@
 """Bags that know nothing of this package: one joint, stamps of wall time, jitter, drops, repetitions."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +129,10 @@ def test_the_command_line(tmp_path: Path) -> None:
     assert (run['samples'], run['gaps'], run['digest_ok']) == (11999, 1, None)
     assert values['truth_rpm'] is None
     assert values['plant']['length'] == 0.3
+    assert run['speed_taken_rpm'] == pytest.approx(2500.0)
+    shown = CliRunner().invoke(analyse, [bag, '--joint', 'θ', '--speed', '2500', '--length', '0.3']).stdout
+    assert re.search(r'│ +2500\.0│ +0\.800│ +75\.0│', re.sub(r' +│', '│', shown))
+    assert 'periods are those of a small swing' in shown
     assert 'warning: ' in done.stderr
     assert '1 gaps, in which 0.001 s are missing' in done.stderr
     for wrong, words in (
