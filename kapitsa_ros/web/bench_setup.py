@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.bench.bench_controls import FASTEST_PACE
 
@@ -22,6 +24,7 @@ class BenchSetup:
     plant: Plant
     instruments: Instruments
     seed: int
+    """Of all chance in the first rig."""
     rate: float
     """Simulated over wall seconds, at first."""
     bags: Path
@@ -35,6 +38,12 @@ class BenchSetup:
 
     composed: bool = False
     """Whether the nodes share one process."""
+
+    def seed_of_rig(self, number: int) -> int:
+        """Return the seed of a rig, from 1: its runs count anew, and are not to repeat the chance of those before."""
+        if number == 1:
+            return self.seed
+        return int(np.random.SeedSequence(self.seed, spawn_key=(number,)).generate_state(1)[0])
 
     @property
     def scale(self) -> float:

@@ -98,7 +98,7 @@ class WebBench:
         rig = Rig(
             setup.plant,
             setup.instruments,
-            setup.seed,
+            setup.seed_of_rig(len(self.folders)),
             rate,
             bags=folder,
             protocol=MANUAL,

@@ -5,6 +5,7 @@ import signal
 import socket
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,6 +14,9 @@ pytest.importorskip('starlette')
 pytest.importorskip('uvicorn')
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
+
+from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.recording.reader import RunBag
 
 PATIENCE = 60.0
 pytestmark = pytest.mark.xdist_group('web')
@@ -162,6 +166,8 @@ def test_a_node_that_dies_is_named_and_the_next_run_has_the_speed_that_was_set(
     page.ask('speed', 2000)
     page.until(lambda: page.told['knobs']['speed'] == 2000)
     run = page.told['rig']['run']
+    runs = bench.folder / 'runs'
+    page.until(lambda: seed_of_first_run(runs))
     os.kill(processes_of(bench.process.pid)['stopwatch'], signal.SIGKILL)
     page.until(lambda: page.told['rig']['failure'])
     assert 'stopwatch was killed by SIGKILL' in page.told['rig']['failure']
@@ -172,4 +178,12 @@ def test_a_node_that_dies_is_named_and_the_next_run_has_the_speed_that_was_set(
     page.until(lambda: page.told['rig']['runs'])
     assert (page.told['rig']['run'], page.told['rig']['failure']) == (run + 1, None)
     assert page.told['knobs']['speed'] == 2000
-    page.until(lambda: list((bench.folder / 'runs' / 'rig_2').glob('run_01_*')))
+    page.until(lambda: seed_of_first_run(runs / 'rig_2'))
+    assert seed_of_first_run(runs) != seed_of_first_run(runs / 'rig_2'), 'instruments would draw the same once more'
+
+
+def seed_of_first_run(folder: Path) -> int | None:
+    try:
+        return int(RunBag(next(folder.glob('run_01_*'))).run.settings['strobe']['seed'])
+    except (KapitsaError, StopIteration):  # not on disk yet
+        return None
