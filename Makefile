@@ -30,7 +30,7 @@ test-slow: setup
 	$(BIN)/python -m pytest -m slow
 
 test-oldest:
-	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench,web
+	$(MAKE) test VENV=.venv-oldest CONSTRAINTS=constraints-oldest.txt EXTRAS=dev,report,bench,web,foxglove
 
 test-nightly: setup
 	.ci/nightly
