@@ -7,6 +7,8 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.errors import QuantityError
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -110,15 +112,17 @@ def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fracti
 
     Raises
     ------
-    ValueError
+    QuantityError
         It is no number, or its unit does not convert.
 
     """
     match = None if isinstance(text, bool) or not isinstance(text, int | float | str) else _WRITTEN.fullmatch(str(text))
     factor = _factor(match['unit'], unit, bare) if match else None
     if match is None or factor is None:
-        raise ValueError(
-            f'{text!r} is not a number {f"with a unit that converts to {unit}" if unit else "without unit"}'
+        raise (
+            QuantityError('{text!r} is not a number with a unit that converts to {unit}', text=text, unit=unit)
+            if unit
+            else QuantityError('{text!r} is not a number without unit', text=text)
         )
     number = float(match['number'])
     if isinstance(factor, Fraction) and number and math.isfinite(number):
@@ -165,7 +169,7 @@ def parse_length(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a length.
 
     """
@@ -177,7 +181,7 @@ def parse_speed(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a speed of rotation.
 
     """
@@ -189,7 +193,7 @@ def parse_frequency(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a frequency.
 
     """
@@ -201,7 +205,7 @@ def parse_angle(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not an angle.
 
     """

@@ -11,12 +11,13 @@ import numpy as np
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
 from kapitsa_ros.bench.lamp_dial import LampDial
-from kapitsa_ros.bench.message import Message
 from kapitsa_ros.bench.notebook import Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
+from kapitsa_ros.errors import said_of
 from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
+from kapitsa_ros.message import Message
 from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
@@ -221,7 +222,7 @@ class BenchState:
         try:
             self.notebook.write_down(row)
         except (TableError, OSError) as error:
-            self.notify('not written down: {why}', why=error)
+            self.notify('not written down: {why}', why=said_of(error))
         else:
             self.notify('written down: {rpm:.6g} RPM, {period:.3f} s', rpm=row.forcing_rpm, period=row.period_s)
             self.watch.clear()
@@ -231,7 +232,7 @@ class BenchState:
         try:
             row = self.notebook.strike_out(number)
         except (TableError, OSError) as error:
-            self.notify('not struck out: {why}', why=error)
+            self.notify('not struck out: {why}', why=said_of(error))
             return
         if row is None:
             self.notify('nothing is written down yet')

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.bench_state import BenchState
-from kapitsa_ros.bench.message import Message
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.rig.harness import Rig
@@ -27,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kapitsa_ros.bench.notebook import Notebook
+    from kapitsa_ros.message import Message
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
     from kapitsa_ros.rig.errors import RigError
@@ -134,7 +134,7 @@ class WebBench:
             try:
                 await self.start()
             except (KapitsaError, OSError) as error:
-                self.failure = Message(str(error))
+                self.failure = said_of(error)
             else:
                 self.failure = None
                 if speed and self.controls is not None:
@@ -228,7 +228,7 @@ class WebBench:
             page.show(frame)
 
     def _receive_failure(self, error: RigError) -> None:
-        self.failure = Message(str(error))
+        self.failure = said_of(error)
         self.changed()
 
     async def _stop_rig(self) -> None:
