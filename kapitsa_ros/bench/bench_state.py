@@ -6,8 +6,6 @@ import math
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
 from kapitsa_ros.bench.lamp_dial import LampDial
@@ -24,6 +22,7 @@ from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from kapitsa_ros.bench.notebook import Notebook
@@ -182,8 +181,10 @@ class BenchState:
         """Return the angle of the rod, rad; NaN before anything is known."""
         for start, motion in reversed(self._motion):
             if start <= now:
-                at = (now - start) / motion.period
-                return float(np.interp(at, np.arange(motion.position.size), motion.position))
+                at = min((now - start) / motion.period, motion.position.size - 1.0)
+                before = min(int(at), motion.position.size - 2)
+                low, high = motion.position[before : before + 2].tolist()
+                return float(low + (at - before) * (high - low))
         return float(self._motion[0][1].position[0]) if self._motion else math.nan
 
     def picture(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -197,7 +198,7 @@ class BenchState:
 
     def check_fall(self, now: float) -> None:
         """Say so when the rod has fallen over."""
-        lies = abs(self.angle(now)) > _FALLEN
+        lies = abs(self.angle(now)) > _FALLEN  # not before anything is known
         if lies and not self._lies:
             self.notify('the pendulum fell: r sets it up again')
         self._lies = lies

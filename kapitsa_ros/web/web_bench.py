@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import time
 from collections import deque
 from contextlib import suppress
@@ -205,9 +204,7 @@ class WebBench:
                 self._pivot = step_id, value
             elif topic == MOTION.name and self._pivot is not None and self._pivot[0] == step_id:
                 self._show(step_id, value, self._pivot[1])
-        now = self.now()
-        if not math.isnan(self.state.angle(now)):
-            self.state.check_fall(now)
+        self.state.check_fall(self.now())
         self._only_moved = not self._has_said_more()
 
     def _has_said_more(self) -> bool:

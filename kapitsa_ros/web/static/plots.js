@@ -1,6 +1,7 @@
 // Plots: the readings with the fitted line, the angle over the last seconds, and over a whole run.
 
 import { prepare } from './drawing.js';
+import { say } from './words.js';
 
 const LEFT = 46;
 const BOTTOM = 34;
@@ -38,7 +39,7 @@ export function ticks(low, high) {
 
 export function drawFit(canvas, fit, colors) {
   const { pen, width, height } = prepare(canvas);
-  axes(pen, width, height, colors, 'ω², 10⁶ RPM²', 'Ω², 10³ RPM²');
+  axes(pen, width, height, colors, say('ω², 10⁶ RPM²'), say('Ω², 10³ RPM²'));
   if (!fit || !fit.forcing_rpm) return;
   const points = fit.forcing_rpm.map((speed, i) => [speed ** 2 / 1e6, fit.slow_rpm[i] ** 2 / 1e3]);
   const ends = fit.interval_rpm.filter((end) => end !== null).map((end) => end ** 2 / 1e6);

@@ -90,6 +90,8 @@ function showRuns() {
       each.period_s === null ? '' : each.period_s.toFixed(3), state.filter(Boolean).join(', '),
     ];
     for (const text of texts) row.insertCell().textContent = String(text);
+    const parts = each.name.split('_').flatMap((part, i) => (i ? ['_', document.createElement('wbr'), part] : [part]));
+    row.cells[0].replaceChildren(...parts); // on a narrow page a name may go on below
     return row;
   });
   document.querySelector('#runs tbody').replaceChildren(...rows);
