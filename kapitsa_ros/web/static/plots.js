@@ -4,7 +4,7 @@ import { prepare } from './drawing.js';
 import { say } from './words.js';
 
 const LEFT = 46;
-const BOTTOM = 34;
+const BOTTOM = 40;
 const TOP = 10;
 const RIGHT = 12;
 
@@ -52,7 +52,7 @@ export function drawFit(canvas, fit, colors) {
   const py = (y) => height - BOTTOM - (y / top) * (height - BOTTOM - TOP);
   pen.textAlign = 'center';
   pen.fillStyle = colors.faint;
-  for (const { value, text } of ticks(low, high)) pen.fillText(text, px(value), height - BOTTOM + 14);
+  for (const { value, text } of ticks(low, high)) pen.fillText(text, px(value), height - BOTTOM + 20);
   pen.textAlign = 'right';
   for (const { value, text } of ticks(0, top)) pen.fillText(text, LEFT - 6, py(value) + 4);
   if (fit.slope !== null && fit.inverse_rpm !== null) {
@@ -105,7 +105,7 @@ export function drawAngle(canvas, store, time, colors) {
   pen.textAlign = 'right';
   for (const { value, text } of ticks(-reach, reach)) pen.fillText(text, LEFT - 6, py(value) + 4);
   pen.textAlign = 'center';
-  for (const { value, text } of ticks(-span, 0)) pen.fillText(text, px((value + span) / span), height - BOTTOM + 14);
+  for (const { value, text } of ticks(-span, 0)) pen.fillText(text, px((value + span) / span), height - BOTTOM + 20);
   pen.strokeStyle = colors.accent;
   pen.lineWidth = 1.5;
   pen.beginPath();

@@ -178,6 +178,7 @@ function bind() {
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const target = event.target;
+    if (event.key === 'Escape' && target.matches('input, select')) target.blur(); // so that the keys are the page's again
     if (target.matches('input, select, .scroll') || (event.key === ' ' && target.matches('button, a, summary'))) return;
     const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!act) return;
