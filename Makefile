@@ -24,7 +24,7 @@ $(VENV)/.done: setup.py requirements.txt
 
 .venv-oldest/.done: setup.py constraints-oldest.txt
 	$(PYTHON) -m venv --clear .venv-oldest
-	$(PIP_INSTALL) -c constraints-oldest.txt -e '.[dev,report,bench,web]'
+	$(PIP_INSTALL) -c constraints-oldest.txt -e '.[dev,report,bench,web,foxglove]'
 	$(BIN)/python -m kapitsa_ros.physics.compile_kernels
 	touch $@
 

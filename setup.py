@@ -28,11 +28,12 @@ def installed_tree(folder: str) -> list[tuple[str, list[str]]]:
 
 
 def node_scripts() -> list[str]:
-    """Write an executable a node, and one for several in a process: their name says which of them is to be started."""
+    """Write an executable a node, for several in a process and for viewers: the name says what is to be started."""
     folder = Path('build', 'node_scripts')
     folder.mkdir(parents=True, exist_ok=True)
     scripts = []
-    for name in sorted(['composed', *(module.stem for module in Path(NAME, 'nodes').glob('[!_]*.py'))]):
+    nodes = [module.stem for module in Path(NAME, 'nodes').glob('[!_]*.py')]
+    for name in sorted(['composed', 'foxglove_server', *nodes]):
         script = folder / name
         shutil.copyfile(Path(SOURCE, 'resource', 'node_script'), script)
         script.chmod(0o755)
@@ -76,6 +77,9 @@ WEB = [
     'starlette>=0.37.2',
     'uvicorn>=0.30',
     'websockets>=12.0',
+]
+FOXGLOVE = [
+    'foxglove-sdk>=0.30',
 ]
 BENCHMARKS = [
     'heyoka',
@@ -139,10 +143,11 @@ setup(
         'campaign': CAMPAIGN,
         'bench': BENCH,
         'web': WEB,
+        'foxglove': FOXGLOVE,
         'benchmarks': BENCHMARKS,
         'test': TEST,
         'dev': DEVELOPMENT,
-        'all': [*REPORT, *CAMPAIGN, *BENCH, *WEB, *BENCHMARKS, *DEVELOPMENT],
+        'all': [*REPORT, *CAMPAIGN, *BENCH, *WEB, *FOXGLOVE, *BENCHMARKS, *DEVELOPMENT],
     },
     entry_points={
         'console_scripts': ['kapitsa = kapitsa_ros.cli.main:main'],

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
+
+from kapitsa_ros.message import Message
 
 WRONG_INPUT, FAILED = 2, 1
 """Exit statuses of a program: what it was given cannot be used; what it was to do failed."""
@@ -29,25 +31,37 @@ class KapitsaError(Exception):
     Parameters
     ----------
     message
-        One line. Where it names an option of the command line, `OPTION` stands for it.
+        One line, or the template of one: see `Message`. Where it names an option of the command line, `OPTION` stands
+        for it.
     option
         Name of that option, which launch files write in another way.
     value
         What was given for it, if the message is to repeat that.
+    values
+        What a template is filled with; it has no option.
 
     """
 
     exit_status: ClassVar[int] = WRONG_INPUT
     """With which a program ends that meets it."""
 
-    def __init__(self, message: str = '', *, option: str | None = None, value: object = None) -> None:
+    def __init__(self, message: str = '', *, option: str | None = None, value: object = None, **values: Any) -> None:
         self.option = option
         self._message, self._value = message, '' if value is None else str(value)
-        super().__init__(message if option is None else message.replace(OPTION, f'--{option} {self._value}'.strip(), 1))
+        if option is not None:
+            message = message.replace(OPTION, f'--{option} {self._value}'.strip(), 1)
+        self.said = Message(message, **values)
+        """The same, for those who say it in another language."""
+        super().__init__(self.said)
 
     def in_launch(self) -> str:
         """Return the message with the option as launch files write it: NAME:=VALUE."""
         return str(self) if self.option is None else self._message.replace(OPTION, f'{self.option}:={self._value}', 1)
+
+
+def said_of(error: Exception) -> Message:
+    """Return what an error says, so that it can be said in another language where it is one of ours."""
+    return error.said if isinstance(error, KapitsaError) else Message(str(error))
 
 
 class QuantityError(KapitsaError, ValueError):

@@ -7,6 +7,8 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.errors import QuantityError
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -115,15 +117,17 @@ def parse_quantity(text: str | float, unit: str, bare: float | Fraction = Fracti
 
     Raises
     ------
-    ValueError
+    QuantityError
         It is no number, or its unit does not convert.
 
     """
     match = None if isinstance(text, bool) or not isinstance(text, int | float | str) else _WRITTEN.fullmatch(str(text))
     factor = _factor(match['unit'], unit, bare) if match else None
     if match is None or factor is None:
-        raise ValueError(
-            f'{text!r} is not a number {f"with a unit that converts to {unit}" if unit else "without unit"}'
+        raise (
+            QuantityError('{text!r} is not a number with a unit that converts to {unit}', text=text, unit=unit)
+            if unit
+            else QuantityError('{text!r} is not a number without unit', text=text)
         )
     number = float(match['number'])
     if isinstance(factor, Fraction) and number and math.isfinite(number):
@@ -170,7 +174,7 @@ def parse_length(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a length.
 
     """
@@ -182,7 +186,7 @@ def parse_speed(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a speed of rotation.
 
     """
@@ -194,7 +198,7 @@ def parse_frequency(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not a frequency.
 
     """
@@ -206,7 +210,7 @@ def parse_angle(text: str | float) -> float:
 
     Raises
     ------
-    ValueError
+    QuantityError
         The text is not an angle.
 
     """

@@ -37,7 +37,11 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     ]
     if arguments['viewer'] != 'none':
         plant = runs_of([Path(values['bags'][0])])[0].run.plant
-        drawn = {'viewer': arguments['viewer'], 'length': str(plant.length), 'amplitude': str(plant.amplitude)}
+        drawn = {
+            **{name: arguments[name] for name in ('viewer', 'bags', 'namespace')},
+            'length': str(plant.length),
+            'amplitude': str(plant.amplitude),
+        }
         path = Path(__file__).with_name('viewer.launch.py')
         # First, so that nothing has started when its package is missing.
         started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=drawn.items()))

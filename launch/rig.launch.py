@@ -40,6 +40,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
         str(Path(__file__).with_name('viewer.launch.py')),
         launch_arguments={
             'viewer': arguments['viewer'],
+            'namespace': arguments['namespace'],
             'length': str(setup.plant.length),
             'amplitude': str(setup.plant.amplitude),
         }.items(),

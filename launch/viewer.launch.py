@@ -1,5 +1,7 @@
 """A viewer for a rig that runs here, or that another launch file starts."""
 
+from pathlib import Path
+
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -7,7 +9,9 @@ from launch_ros.actions import Node
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.viewers import VIEWERS, Program, programs
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, node_options, runs_below
+from kapitsa_ros.rig.viewers import PACKAGE, VIEWERS, Program, programs
+from kapitsa_ros.ros.arguments import FOXGLOVE_PORT
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 PLANT = Plant()
@@ -15,11 +19,16 @@ ARGUMENTS = {
     'viewer': ('rviz', 'what shows the rig', list(VIEWERS)),
     'length': (str(PLANT.length), 'of the rod that is drawn, m', None),
     'amplitude': (str(PLANT.amplitude), 'half the stroke of the pivot that is drawn, m', None),
+    'bags': ('', 'folder of the run that is replayed, or of several; empty: it is no replay', None),
+    'namespace': NODE_ARGUMENTS['namespace'],
 }
 
 
-def as_node(program: Program) -> Node:
+def as_node(program: Program, arguments: dict[str, str], context: LaunchContext) -> Node:
     """Return the action that starts a program."""
+    if program.package == PACKAGE:
+        given = node_options(arguments | {'log_level': ''}, context, program.parameters)
+        return Node(package=PACKAGE, executable=program.executable, **given)
     return Node(
         package=program.package,
         executable=program.executable,
@@ -33,11 +42,14 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     plant = Plant(length=float(arguments['length']), amplitude=float(arguments['amplitude']))
-    started: list[LaunchDescriptionEntity] = [as_node(program) for program in programs(arguments['viewer'], plant)]
+    bags = [str(path) for path in runs_below(Path(arguments['bags']).expanduser())] if arguments['bags'] else []
+    wanted = programs(arguments['viewer'], plant, bags)
+    started: list[LaunchDescriptionEntity] = [as_node(program, arguments, context) for program in wanted]
     if arguments['viewer'] == 'foxglove':
-        layout = resource_path('config', 'viewers', 'foxglove.json')
+        is_played_back = bool(bags) and wanted[0].package == PACKAGE
+        layout = resource_path('config', 'viewers', 'foxglove_replay.json' if is_played_back else 'foxglove.json')
         started.append(
-            LogInfo(msg=f'Foxglove: open a connection to ws://127.0.0.1:8765 and import the layout {layout}')
+            LogInfo(msg=f'Foxglove: open a connection to ws://127.0.0.1:{FOXGLOVE_PORT} and import the layout {layout}')
         )
     return started
 

@@ -15,7 +15,10 @@ from ament_index_python.packages import get_package_prefix, get_packages_with_pr
 
 from kapitsa_ros.rig.environment import loopback
 
-ROLES = {'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player', 'composed'}
+EXECUTABLES = {
+    'jigsaw', 'pendulum', 'strobe', 'stopwatch', 'operator', 'analyser', 'recorder', 'player', 'composed',
+    'foxglove_server',
+}  # fmt: skip
 CHECKOUT = Path(__file__).parents[1]
 
 pytestmark = pytest.mark.xdist_group('install')  # its nodes share a domain, and would take each other for doubles
@@ -70,7 +73,7 @@ def test_the_index_knows_the_package(index: Path) -> None:
 def test_executables_are_where_ros2_run_looks(index: Path) -> None:
     folder = Path(get_package_prefix('kapitsa_ros')) / 'lib' / 'kapitsa_ros'
     files = [path for path in folder.iterdir() if os.access(path, os.X_OK)]
-    assert {path.name for path in files} == ROLES
+    assert {path.name for path in files} == EXECUTABLES
     assert (index / 'bin' / 'kapitsa').is_file()
 
 
@@ -154,7 +157,7 @@ def test_links_to_what_is_installed_are_enough_to_build(tmp_path: Path) -> None:
         [sys.executable, 'setup.py', '--name'], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.stdout.splitlines()[-1:] == ['kapitsa_ros'], done.stderr
-    assert {path.name for path in (tmp_path / 'build' / 'node_scripts').iterdir()} == ROLES
+    assert {path.name for path in (tmp_path / 'build' / 'node_scripts').iterdir()} == EXECUTABLES
 
 
 def test_what_is_pinned_is_pinned_by_its_hash():

@@ -20,6 +20,7 @@ from kapitsa_ros.analysis.errors import NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
 from kapitsa_ros.data_frame import data_frame
+from kapitsa_ros.message import Message
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
 from kapitsa_ros.quantities import to_si
 from kapitsa_ros.reporting.allowances import allowed
@@ -89,8 +90,8 @@ class Reduction:
         """What is wrong with the readings."""
         return (
             *self.of_table,
-            *_finding('any line', self.eiv_discrepancy),
-            *_finding('the exact curve of any rod', self.discrepancy),
+            *_finding(_FAR_FROM_LINES, self.eiv_discrepancy),
+            *_finding(_FAR_FROM_CURVES, self.discrepancy),
         )
 
     def __repr__(self) -> str:
@@ -211,13 +212,21 @@ def reduce(
     )
 
 
-def _finding(what: str, discrepancy: float | None) -> tuple[str, ...]:
+_FAR_FROM_LINES = Message('the readings lie farther from any line than their uncertainties allow')
+_FAR_FROM_CURVES = Message('the readings lie farther from the exact curve of any rod than their uncertainties allow')
+
+
+def _finding(finding: Message, discrepancy: float | None) -> tuple[str, ...]:
     if discrepancy == 0.0:
         return ()
-    finding = f'the readings lie farther from {what} than their uncertainties allow'
     if discrepancy is None:
-        return (f'{finding}: they contradict one another, and bound nothing',)
-    return (f'{finding}: {100.0 * discrepancy:.2g} % of each period is added to its uncertainty',)
+        return (Message('{finding}: they contradict one another, and bound nothing', finding=finding),)
+    percent = 100.0 * discrepancy
+    return (
+        Message(
+            '{finding}: {percent:.2g} % of each period is added to its uncertainty', finding=finding, percent=percent
+        ),
+    )
 
 
 def _number(value: float | None) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import TableError
-from kapitsa_ros.units import counted
+from kapitsa_ros.message import Message
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,18 +69,18 @@ def refuse_mixed_units(readings: Readings) -> Readings:
     cycles = readings.forcing * readings.period / (2.0 * math.pi)
     _refuse(
         cycles < _FEWEST_CYCLES,
-        'the shaft turns only {:.2g} times in a swing, which should take many turns: '
+        'the shaft turns only {value:.2g} times in a swing, which should take many turns: '
         'give the speed in RPM (not Hz or rad/s) and the period in seconds',
         cycles,
     )
     _refuse(
         readings.period > _LONGEST_PERIOD,
-        'a period of {:g} s: give the period in seconds, neither milliseconds nor RPM',
+        'a period of {value:g} s: give the period in seconds, neither milliseconds nor RPM',
         readings.period,
     )
     _refuse(
         readings.period_sigma > _LONGEST_PERIOD,
-        'a standard uncertainty of {:g} s: give that of a period in seconds',
+        'a standard uncertainty of {value:g} s: give that of a period in seconds',
         readings.period_sigma,
     )
     return readings
@@ -90,7 +90,8 @@ def _refuse(wrong: NDArray[np.bool_], message: str, values: NDArray[np.float64] 
     """Name the first row that is wrong."""
     if wrong.any():
         row = int(np.argmax(wrong))
-        raise TableError(f'row {row + 1}: {message.format(*(() if values is None else (values[row],)))}')
+        said = Message(message) if values is None else Message(message, value=values[row])
+        raise TableError('row {row}: {said}', row=row + 1, said=said)
 
 
 def require_two_speeds(readings: Readings) -> None:
@@ -103,6 +104,6 @@ def require_two_speeds(readings: Readings) -> None:
 
     """
     if readings.forcing.size < 2:
-        raise TableError(f'{counted(readings.forcing.size, "row")}: time the swing at two speeds or more')
+        raise TableError('{count} row(s): time the swing at two speeds or more', count=readings.forcing.size)
     if np.ptp(readings.forcing) <= 1e-9 * readings.forcing.max():
         raise TableError('all speeds are equal: time the swing at another speed too')

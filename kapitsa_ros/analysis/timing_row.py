@@ -11,6 +11,7 @@ from kapitsa_ros.analysis.strobe_alias import dial_sigma, find_alias
 from kapitsa_ros.instruments.errors import SettingsError
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.message import Message
 from kapitsa_ros.network.errors import RunError
 
 if TYPE_CHECKING:
@@ -63,13 +64,21 @@ class TimingRow:
     @property
     def miscount(self) -> str | None:
         """Say that the swings were, or may have been, counted wrong; None where that is improbable."""
-        where = '' if self.run is None else f'run {self.run}: '
         if self.swings_taken is not None:
-            return f'{where}{self.swings} swings counted, taken as {self.swings_taken}, by the other readings'
-        if self.miscount_probability is not None and self.miscount_probability > _DOUBTFUL:
-            wrong = f'{100.0 * self.miscount_probability:.0f} %'
-            return f'{where}{self.swings} swings counted; {wrong} probable to be wrong: the interval allows for it'
-        return None
+            said = Message(
+                '{swings} swings counted, taken as {taken}, by the other readings',
+                swings=self.swings,
+                taken=self.swings_taken,
+            )
+        elif self.miscount_probability is not None and self.miscount_probability > _DOUBTFUL:
+            said = Message(
+                '{swings} swings counted; {percent:.0f} % probable to be wrong: the interval allows for it',
+                swings=self.swings,
+                percent=100.0 * self.miscount_probability,
+            )
+        else:
+            return None
+        return said if self.run is None else Message('run {run}: {said}', run=self.run, said=said)
 
 
 def untold_releases(rows: Iterable[TimingRow]) -> int:

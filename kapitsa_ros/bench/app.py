@@ -16,6 +16,7 @@ from kapitsa_ros.bench import panels
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.help_screen import HelpScreen
 from kapitsa_ros.bench.keys import KEYS
+from kapitsa_ros.errors import said_of
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
@@ -229,7 +230,7 @@ class BenchApp(App[RigError]):
             else:
                 self.state.set_release(parse_angle(typed))
         except (ValueError, InstrumentError) as error:
-            self.state.notify(str(error))
+            self.state.messages.append(said_of(error))
 
     def action_leave(self) -> None:
         """End the run, so that its bag is complete, and leave; at once when asked again."""

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.bench.bench_state import BenchState
     from kapitsa_ros.bench.rig_worker import Order
+    from kapitsa_ros.message import Message
     from kapitsa_ros.rig.harness import Rig
     from kapitsa_ros.ros.rig_client import News
 
@@ -144,9 +145,9 @@ class BenchControls:
 
         self._post(take)
 
-    def receive_refusal(self, why: str) -> None:
+    def receive_refusal(self, why: Message) -> None:
         """Tell why an order was refused; called from the rig's thread."""
-        self._post(lambda: self._state.notify(why))
+        self._post(lambda: self._state.messages.append(why))
 
     def receive_failure(self, error: RigError) -> None:
         """Tell of a rig that died; called from the rig's thread."""

@@ -6,23 +6,23 @@ import math
 from collections import deque
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
 from kapitsa_ros.bench.lamp_dial import LampDial
-from kapitsa_ros.bench.message import Message
 from kapitsa_ros.bench.notebook import Row
 from kapitsa_ros.bench.stopwatch import HandStopwatch
+from kapitsa_ros.errors import said_of
 from kapitsa_ros.instruments.dial_search import graduation
 from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.lamp import Lamp
+from kapitsa_ros.message import Message
 from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from kapitsa_ros.bench.notebook import Notebook
@@ -181,8 +181,10 @@ class BenchState:
         """Return the angle of the rod, rad; NaN before anything is known."""
         for start, motion in reversed(self._motion):
             if start <= now:
-                at = (now - start) / motion.period
-                return float(np.interp(at, np.arange(motion.position.size), motion.position))
+                at = min((now - start) / motion.period, motion.position.size - 1.0)
+                before = min(int(at), motion.position.size - 2)
+                low, high = motion.position[before : before + 2].tolist()
+                return float(low + (at - before) * (high - low))
         return float(self._motion[0][1].position[0]) if self._motion else math.nan
 
     def picture(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -196,7 +198,7 @@ class BenchState:
 
     def check_fall(self, now: float) -> None:
         """Say so when the rod has fallen over."""
-        lies = abs(self.angle(now)) > _FALLEN
+        lies = abs(self.angle(now)) > _FALLEN  # not before anything is known
         if lies and not self._lies:
             self.notify('the pendulum fell: r sets it up again')
         self._lies = lies
@@ -221,7 +223,7 @@ class BenchState:
         try:
             self.notebook.write_down(row)
         except (TableError, OSError) as error:
-            self.notify('not written down: {why}', why=error)
+            self.notify('not written down: {why}', why=said_of(error))
         else:
             self.notify('written down: {rpm:.6g} RPM, {period:.3f} s', rpm=row.forcing_rpm, period=row.period_s)
             self.watch.clear()
@@ -231,7 +233,7 @@ class BenchState:
         try:
             row = self.notebook.strike_out(number)
         except (TableError, OSError) as error:
-            self.notify('not struck out: {why}', why=error)
+            self.notify('not struck out: {why}', why=said_of(error))
             return
         if row is None:
             self.notify('nothing is written down yet')

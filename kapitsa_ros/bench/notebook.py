@@ -146,7 +146,7 @@ class Notebook:
             place = open_places[-1]
         else:
             if not 1 <= number <= len(places) or places[number - 1] not in open_places:
-                raise TableError(f'line {number} is not there, or is struck out already')
+                raise TableError('line {number} is not there, or is struck out already', number=number)
             place = places[number - 1]
         row = self._written(place).row
         lines = list(self.lines)

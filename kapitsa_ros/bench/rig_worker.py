@@ -7,12 +7,14 @@ import time
 from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Protocol
 
+from kapitsa_ros.errors import said_of
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.rig.errors import RigError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kapitsa_ros.message import Message
     from kapitsa_ros.rig.harness import Rig
     from kapitsa_ros.ros.rig_client import News
 
@@ -32,7 +34,7 @@ class Listener(Protocol):
     def receive(self, news: list[News], wall: float) -> None:
         """Take messages of the graph, and when they came (wall clock, s)."""
 
-    def receive_refusal(self, why: str) -> None:
+    def receive_refusal(self, why: Message) -> None:
         """Take why an order could not be carried out."""
 
     def receive_failure(self, error: RigError) -> None:
@@ -84,7 +86,7 @@ class RigWorker:
             self._listener.receive_failure(error)
         except Exception as error:  # noqa: BLE001  # the person would look at a picture that stands still
             if not self._ending.is_set():  # then the rig may be taken away from an order that hangs
-                self._listener.receive_failure(RigError(f'the bench lost its rig: {error!r}'))
+                self._listener.receive_failure(RigError('the bench lost its rig: {why!r}', why=error))
 
     def _pass_on(self, timeout: float) -> None:
         news = self._rig.news(timeout)
@@ -107,4 +109,4 @@ class RigWorker:
                     self._pass_on(0.0)
                     done()
             except (RigError, RequestError, TimeoutError) as error:  # of a death, the news tell
-                self._listener.receive_refusal(str(error))
+                self._listener.receive_refusal(said_of(error))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,6 +24,7 @@ _THICKNESS = 0.002
 """Of the mark, share of the stroke: however sharp the eye, images closer than this lie over each other."""
 _KEPT = 2.0
 """Seconds for which flashes are kept: blocks may be known before they are looked at."""
+_NO_FLASH = np.empty(0)
 
 
 class Lamp:
@@ -47,8 +49,8 @@ class Lamp:
         self.flash_rate = 0.0
         """rad/s of flashes; 0: the lamp is off."""
         self._last: float
-        self._times: NDArray[np.float64]
-        self._heights: NDArray[np.float64]
+        self._blocks: deque[tuple[float, NDArray[np.float64], NDArray[np.float64]]] = deque()
+        """End of each block, and its flashes: their times and heights; a block is done with as a whole."""
         self._darken()
 
     def turn(self, dial: float) -> None:
@@ -82,14 +84,15 @@ class Lamp:
             return
         period = 2.0 * math.pi / self.flash_rate
         first = max(self._last + period, start)
-        times = first + period * np.arange(max(0, math.ceil((self._end - first) / period)))
+        count = max(0, math.ceil((self._end - first) / period))
+        times = first + period * np.arange(count, dtype=float)
         if not times.size:
             return
         self._last = float(times[-1])
         heights = mark_heights(pivot, times - start) / self._amplitude
-        kept = self._times > self._end - _KEPT
-        self._times = np.concatenate((self._times[kept], times))
-        self._heights = np.concatenate((self._heights[kept], heights))
+        while self._blocks and self._blocks[0][0] <= self._end - _KEPT:
+            self._blocks.popleft()
+        self._blocks.append((self._end, times, heights))
 
     def picture(self, now: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return what an eye sees.
@@ -105,8 +108,9 @@ class Lamp:
             Shape (images,) each, as of `distinct_images`: of the flashes still seen. Empty where there were none.
 
         """
-        seen = (self._times <= now) & (self._times > now - AFTERIMAGE)
-        return distinct_images(self._heights[seen], max(self._settings.mark_width, _THICKNESS))
+        times, heights = self._since(now - AFTERIMAGE)
+        seen = (times <= now) & (times > now - AFTERIMAGE)
+        return distinct_images(heights[seen], max(self._settings.mark_width, _THICKNESS))
 
     def flashes(self, start: float, end: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return when the lamp flashed, and what each flash showed.
@@ -122,18 +126,28 @@ class Lamp:
             Shape (flashes,) each: s of the run; of the mark, in amplitudes from mid-stroke.
 
         """
-        within = (self._times >= start) & (self._times < end)
-        return self._times[within], self._heights[within]
+        times, heights = self._since(start)
+        within = (times >= start) & (times < end)
+        return times[within], heights[within]
+
+    def _since(self, start: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return times and heights of the flashes of all blocks that end later."""
+        blocks = [block for block in self._blocks if block[0] > start]
+        if len(blocks) == 1:
+            return blocks[0][1:]
+        times, heights = ([block[i] for block in blocks] for i in (1, 2))
+        return np.concatenate([_NO_FLASH, *times]), np.concatenate([_NO_FLASH, *heights])
 
     def _darken(self) -> None:
         self._last = -math.inf
-        self._times, self._heights = np.empty(0), np.empty(0)
+        self._blocks.clear()
 
 
 def mark_heights(pivot: SampledMotion, times: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     """Return where the mark is, m, at times within a block, s from its beginning: by cubic Hermite interpolation."""
-    before = np.clip((times / pivot.period).astype(int), 0, pivot.position.size - 2)
-    part = times / pivot.period - before
+    place = times / pivot.period
+    before = np.minimum(np.maximum(place.astype(int), 0), pivot.position.size - 2)
+    part = place - before
     rest = 1.0 - part
     low, high = pivot.position[before], pivot.position[before + 1]
     low_rate, high_rate = pivot.period * pivot.rate[before], pivot.period * pivot.rate[before + 1]

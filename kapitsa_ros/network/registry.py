@@ -32,6 +32,8 @@ TOPICS: tuple[Topic[Any], ...] = (COMMAND, PIVOT, MOTION, STROBE_READING, STOPWA
 RECORDED = tuple(topic for topic in TOPICS if topic.recorded)
 REPLAYED = tuple(topic for topic in TOPICS if topic.replayed)
 READINGS = tuple(topic for topic in TOPICS if topic.reading)
+REQUESTS = ('operator/speed', 'operator/release')
+"""Topics, not numbered, on which a person asks something of the operator: std_msgs/Float64."""
 
 JIGSAW = Role(name='jigsaw', reads=(COMMAND, RESULT, WRITTEN), writes=(PIVOT,), describes_run=True)
 PENDULUM = Role(name='pendulum', reads=(PIVOT, COMMAND), writes=(MOTION,), follows=(COMMAND,), describes_run=True)

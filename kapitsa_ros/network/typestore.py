@@ -25,6 +25,22 @@ def load_type(message_type: str) -> None:
     _STORE.get_msgdef(message_type)
 
 
+def knows(message_type: str) -> bool:
+    """Whether messages of a type can be read here."""
+    return message_type in _STORE.types
+
+
+def definition_of(message_type: str) -> str:
+    """Return the definition of a message type with those it consists of, as bags hold it (encoding `ros2msg`)."""
+    return str(_STORE.generate_msgdef(message_type)[0])
+
+
+def begins_with_header(message_type: str) -> bool:
+    """Whether messages of a type begin with a std_msgs/Header, and so with a stamp."""
+    fields = _STORE.fielddefs[message_type][1]
+    return bool(fields) and fields[0][1][1] == 'std_msgs/msg/Header'
+
+
 def new_message(message_type: str, *values: Any, **fields: Any) -> Any:
     """Return a message of a type such as `std_msgs/msg/Header`."""
     return _STORE.types[message_type](*values, **fields)

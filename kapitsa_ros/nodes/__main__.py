@@ -6,9 +6,12 @@ import os
 import sys
 import threading
 from importlib import import_module
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from kapitsa_ros.errors import FAILED, KapitsaError
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 try:
     from kapitsa_ros.ros.signals import leave_on_signals, restoring_signals
@@ -45,9 +48,9 @@ def run_node(arguments: list[str]) -> int:
 
     """
     # Not above: the imports take half a second, in which signals are heard already.
-    from kapitsa_ros.errors import WRONG_INPUT  # noqa: PLC0415
+    from kapitsa_ros.errors import WRONG_INPUT, MissingPackageError  # noqa: PLC0415
     from kapitsa_ros.network.registry import NODE_NAMES, ROLE_NAMES  # noqa: PLC0415
-    from kapitsa_ros.ros.arguments import COMPOSED, beside_ros, without_roles  # noqa: PLC0415
+    from kapitsa_ros.ros.arguments import COMPOSED, FOXGLOVE_SERVER, beside_ros, without_roles  # noqa: PLC0415
     from kapitsa_ros.ros.help_text import composed_help_text, help_text  # noqa: PLC0415
     from kapitsa_ros.ros.main import run_composed  # noqa: PLC0415
 
@@ -56,13 +59,17 @@ def run_node(arguments: list[str]) -> int:
     if name == COMPOSED:
         arguments, named = without_roles(arguments)
         roles = named or ROLE_NAMES
-    unknown = [role for role in roles if role not in NODE_NAMES]
+    unknown = [role for role in roles if role not in NODE_NAMES and roles != (FOXGLOVE_SERVER,)]
     if unknown or not roles:
         given = repr(unknown[0]) if unknown else 'none'
-        choice = ', '.join((*NODE_NAMES, COMPOSED))
+        choice = ', '.join((*NODE_NAMES, COMPOSED, FOXGLOVE_SERVER))
         print(f'kapitsa: error: node {given} is unknown: choose one of {choice}', file=sys.stderr)
         return WRONG_INPUT
-    modules = {role: import_module(f'kapitsa_ros.nodes.{role}') for role in roles}
+    try:
+        modules = {role: _module(role) for role in roles}
+    except MissingPackageError as error:
+        print(f'{name}: error: {error}', file=sys.stderr)
+        return error.exit_status
     if {'-h', '--help'} & set(beside_ros(arguments)):
         try:
             text = (
@@ -76,6 +83,17 @@ def run_node(arguments: list[str]) -> int:
         print(text)
         return 0
     return run_composed(arguments, {role: module.create for role, module in modules.items()})
+
+
+def _module(role: str) -> ModuleType:
+    """Return what has the `create` of a node."""
+    from kapitsa_ros.extras import import_of_extra  # noqa: PLC0415
+    from kapitsa_ros.ros.arguments import FOXGLOVE_SERVER  # noqa: PLC0415
+
+    if role != FOXGLOVE_SERVER:
+        return import_module(f'kapitsa_ros.nodes.{role}')
+    module: ModuleType = import_of_extra('kapitsa_ros.live_view.server_node', f'node {role}', 'foxglove')
+    return module
 
 
 def _exit(status: int) -> NoReturn:

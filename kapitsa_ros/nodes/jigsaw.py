@@ -158,7 +158,7 @@ class JigsawNode(DataflowNode):
     def _tell(self, step_id: StepId, stamp: int) -> None:
         """Publish clock and progress, no more often than their readers need."""
         self._time.count(stamp / SECOND)
-        self._clock_publisher.publish(stamp)
+        self._clock_publisher.publish(stamp, is_last=self._time.stands_still)
         self._progress.tell(step_id, stamp)
 
 

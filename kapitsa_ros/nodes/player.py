@@ -122,7 +122,7 @@ class PlayerNode(DataflowNode):
     def _wait(self, step: PlayedStep, *, is_new: bool, is_shown: bool) -> float:
         """Return the seconds until a step is due; IDLE where something else has to happen before."""
         if is_shown and self._time.stands_still and not self._is_sought:
-            self._progress.tell(step.id, step.stamp_ns)  # whoever starts a replay has to know that it stands, and where
+            self._tell(step)  # whoever starts a replay has to know that it stands, and where
             return IDLE
         # A run begins when the one before has been analysed, since settings are not numbered.
         if is_new and len(self._under_way) > (WINDOW if step.id.step else 0):
@@ -146,12 +146,15 @@ class PlayerNode(DataflowNode):
             self._is_sought = False
         else:
             self._time.count(step.stamp_ns / SECOND)
-        self._clock_publisher.publish(step.stamp_ns)
+        self._clock_publisher.publish(step.stamp_ns, is_last=self._time.stands_still)
         if not step.id.end:
             with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
                 pivot, motion = step.messages[PIVOT.name], step.messages[MOTION.name]
                 self._joint_states.offer(step.stamp_ns, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
-        self._progress.tell(step.id, step.stamp_ns)
+        self._tell(step)
+
+    def _tell(self, step: PlayedStep) -> None:
+        self._progress.tell(step.id, step.stamp_ns, paused=self._time.stands_still)
 
     def _end_of_part(self) -> bool:
         """End the session, once; then begin again, or leave. Return False while steps are being analysed."""
@@ -175,7 +178,7 @@ class PlayerNode(DataflowNode):
         for step_id in ends:
             for topic in REPLAYED:
                 self.emit_silence(topic, step_id, stamp if step_id.run == run else (run + 1) * DAY)
-        self._progress.tell(ends[-1], (run + 1) * DAY)
+        self._progress.tell(ends[-1], (run + 1) * DAY, paused=False)
 
     def _go_to(self, seconds: float) -> None:
         self._steps = self._playback.steps()

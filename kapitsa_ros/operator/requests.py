@@ -19,7 +19,10 @@ def check_speed(speed: float, max_speed: float) -> None:
     """
     if not 0 <= speed <= max_speed:
         raise RequestError(
-            f'a speed of {speed} rad/s: the jigsaw does 0 to {max_speed:.6g} rad/s ({max_speed / RPM:.0f} RPM)'
+            'a speed of {speed} rad/s: the jigsaw does 0 to {fastest:.6g} rad/s ({rpm:.0f} RPM)',
+            speed=speed,
+            fastest=max_speed,
+            rpm=max_speed / RPM,
         )
 
 
@@ -33,7 +36,7 @@ def check_release(angle: float) -> None:
 
     """
     if not abs(angle) < math.pi / 2:
-        raise RequestError(f'a release from {angle} rad: give an angle within a quarter turn of upright')
+        raise RequestError('a release from {angle} rad: give an angle within a quarter turn of upright', angle=angle)
 
 
 class Requests:

@@ -87,6 +87,27 @@ def read_joint(path: Path, joint: str) -> JointSamples:
     return JointSamples(stamps_ns=stamps, position=position, rate=rate, defects=tuple(map(printable, defects)))
 
 
+def joint_names(path: Path) -> list[str]:
+    """Return the joints in a bag whose positions can be read, in the order of their names.
+
+    Raises
+    ------
+    BagError
+        There is no bag.
+
+    """
+    files = BagFiles(path)
+    by_topic: dict[str, list[str]] = {}
+    try:
+        for file in files.files:
+            for piece in file.scan_tables():
+                if piece.type == _TYPE and piece.topic not in {*_OURS, *by_topic}:
+                    by_topic[piece.topic] = _names([(np.empty(0), piece.data)])
+    finally:
+        files.close()
+    return sorted({name for names in by_topic.values() for name in names})
+
+
 def _rows(data: Any) -> list[bytes]:
     return [data] if isinstance(data, bytes) else [row.tobytes() for row in data]
 

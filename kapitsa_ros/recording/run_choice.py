@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from kapitsa_ros.network.registry import COMMAND, READINGS, RIG_ROLES, described_by, writer_of
 from kapitsa_ros.network.settings import settings_topic
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
+from kapitsa_ros.recording.joint_samples import joint_names
 from kapitsa_ros.recording.writer import FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
 RUN_TOPICS = (COMMAND, *READINGS)
 """Those that make a run."""
+_MOST_NAMED = 3
 REQUIRED_ROLES = [role for role in RIG_ROLES if not role.optional]
 
 
@@ -67,4 +69,9 @@ def _refuse_others(path: Path, recording: Recording) -> None:
     wrong = [recording.wrong_types[name] for name in needed if name in recording.wrong_types]
     if missing or wrong:
         lacks = [f'it lacks {", ".join(missing)}'] if missing else []
-        raise BagError(f'{path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}')
+        joints = joint_names(path)[:_MOST_NAMED]
+        mend = (
+            f'; joint {" or ".join(map(printable, joints))} in it is analysed by '
+            f'`kapitsa analyse {path} --joint NAME --speed RPM`, which is all that can be done with a bag of others'
+        )
+        raise BagError(f'{path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}{mend * bool(joints)}')

@@ -274,13 +274,13 @@ class Rig:
         """Call a service; return the number in its answer, or raise what else it says."""
         answer = self._answer(self._served().call(service), f'an answer of jigsaw/{service}')
         if not answer.success:
-            raise RigError(f'jigsaw/{service}: {answer.message}')
+            raise RigError('jigsaw/{service}: {answer}', service=service, answer=answer.message)
         return StepId.parse(answer.message)
 
     def _set(self, **values: float) -> None:
         for result in self._answer(self._served().set_parameters(**values), 'an answer of the jigsaw').results:
             if not result.successful:
-                raise UsageError(f'jigsaw: {result.reason}')
+                raise UsageError('jigsaw: {why}', why=result.reason)
 
     def _answer(self, future: Any, what: str) -> Any:
         self._until(lambda: future.done() or None, PATIENCE, what)
@@ -301,7 +301,7 @@ class Rig:
             if value is not None:
                 return value
             if ended:
-                raise RigError(f'the session is over: {what} will not come')
+                raise RigError('the session is over: {what} will not come', what=what)
             left = deadline - time.monotonic()
             if left <= 0 or math.isnan(left):
                 waiting = '' if any(self._client.seen.values()) else self._nodes.who_waits()

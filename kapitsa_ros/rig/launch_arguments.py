@@ -120,7 +120,6 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
         An argument cannot be used: no run is there, or one that cannot be read.
 
     """
-    folder = Path(arguments['bags']).expanduser()
     with _errors_in_launch_form():
         replay = Replay(
             rate=_read('rate', arguments),
@@ -128,14 +127,27 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
             loop=arguments['loop'] == 'true',
             start_paused=arguments['start_paused'] == 'true',
         )
-        paths = [folder] if is_bag(folder) else sorted(path for path in folder.glob('*/') if is_bag(path))
-        if not paths:
-            raise UsageError(
-                f'{OPTION}: no run is there; give the folder of a run, or of several', option='bags', value=folder
-            )
+        paths = runs_below(Path(arguments['bags']).expanduser())
         for bag in runs_of(paths):
             bag.refuse_gaps()
     return replay_parameters(paths, replay)
+
+
+def runs_below(folder: Path) -> list[Path]:
+    """Return the folders of the runs in a folder, in the order of their names, or itself where it is that of one.
+
+    Raises
+    ------
+    UsageError
+        No run is there.
+
+    """
+    paths = [folder] if is_bag(folder) else sorted(path for path in folder.glob('*/') if is_bag(path))
+    if not paths:
+        raise UsageError(
+            f'{OPTION}: no run is there; give the folder of a run, or of several', option='bags', value=folder
+        )
+    return paths
 
 
 def end_with_failed(event: Any, context: Any) -> None:

@@ -82,9 +82,11 @@ class NodeGroup:
         failed = [(process, status) for process, status in ended if status]
         # A node that broke is more telling than one that was killed, and than those that fell with it.
         for process, status in sorted(failed, key=lambda pair: pair[1] < 0):
-            how = f'was killed by {signal.Signals(-status).name}' if status < 0 else f'died with status {status}'
             who, lines = process.last_error()
-            raise RigError(f'{who} {how}{": " + lines if lines else ""}')
+            said = {'node': who, 'lines': f': {lines}' if lines else ''}
+            if status < 0:
+                raise RigError('{node} was killed by {signal}{lines}', signal=signal.Signals(-status).name, **said)
+            raise RigError('{node} died with status {status}{lines}', status=status, **said)
         if any(process.orphaned for process in self._processes):
             raise RigError('the process that the nodes were forked from was killed, and they have left')
         return all(status == 0 for _, status in ended)
@@ -114,7 +116,7 @@ class NodeGroup:
         now = time.monotonic()
         for process in self._processes:
             if process.status() == 0 and now - self._left.setdefault(process.name, now) > patience:
-                raise RigError(f'{process.name} was ended before the session was over')
+                raise RigError('{node} was ended before the session was over', node=process.name)
 
     def wait(self, timeout: float, *news: int) -> bool:
         """Wait until a node ends, a file descriptor of `news` can be read, or the time is over; then check.

@@ -5,7 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from kapitsa_ros.network.registry import ANALYSER, JIGSAW, NODES, OPERATOR, PENDULUM, PLAYER, RECORDER, described_by
+from kapitsa_ros.network.registry import (
+    ANALYSER,
+    JIGSAW,
+    NODES,
+    OPERATOR,
+    PENDULUM,
+    PLAYER,
+    RECORDER,
+    REQUESTS,
+    described_by,
+)
 from kapitsa_ros.network.settings import settings_topic
 from kapitsa_ros.ros.time_control_client import SERVICES
 
@@ -22,7 +32,7 @@ _VIEWED = ('joint_states', 'robot_description')
 _PUBLISHED = {JIGSAW: ('/clock',), PENDULUM: _VIEWED, PLAYER: ('/clock', *_VIEWED, *_SETTINGS)}
 _SUBSCRIBED = {
     PENDULUM: (settings_topic(JIGSAW.name),),
-    OPERATOR: ('operator/speed', 'operator/release'),
+    OPERATOR: REQUESTS,
     ANALYSER: _SETTINGS,
     RECORDER: _SETTINGS,
 }

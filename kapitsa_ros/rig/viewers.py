@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from ament_index_python.packages import PackageNotFoundError, get_package_prefix
@@ -12,16 +13,20 @@ from kapitsa_ros.configuration.urdf import urdf
 from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.ros.arguments import FOXGLOVE_PORT, FOXGLOVE_SERVER
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kapitsa_ros.physics.plant import Plant
 
+PACKAGE = 'kapitsa_ros'
 VIEWERS = ('none', 'rviz', 'plotjuggler', 'foxglove')
 
 
 @dataclass(frozen=True)
 class Program:
-    """A ROS executable of another package."""
+    """A ROS executable."""
 
     package: str
     executable: str
@@ -29,8 +34,19 @@ class Program:
     parameters: dict[str, Any] = field(default_factory=dict)
 
 
-def programs(viewer: str, plant: Plant) -> list[Program]:
+def programs(viewer: str, plant: Plant, bags: Sequence[str] = ()) -> list[Program]:
     """Return what to start so that a viewer shows a rig with this plant.
+
+    Foxglove is served by its bridge, or by our own server (`live_view`) where that is not installed.
+
+    Parameters
+    ----------
+    viewer
+        Which.
+    plant
+        That is drawn.
+    bags
+        Folders of the runs, where it is a replay.
 
     Raises
     ------
@@ -46,12 +62,17 @@ def programs(viewer: str, plant: Plant) -> list[Program]:
         'plotjuggler': ('plotjuggler', 'plotjuggler_ros'),
         'foxglove': ('robot_state_publisher', 'foxglove_bridge'),
     }[viewer]
+    if viewer == 'foxglove' and find_spec('foxglove') and not _is_installed('foxglove_bridge'):
+        return [
+            Program(PACKAGE, FOXGLOVE_SERVER, parameters={'port': FOXGLOVE_PORT} | ({'bags': [*bags]} if bags else {}))
+        ]
     missing = [package for package in needed if not _is_installed(package)]
     if missing:
         names = ' '.join(
             f'ros-{os.environ.get("ROS_DISTRO", "jazzy")}-{package.replace("_", "-")}' for package in missing
         )
-        raise UsageError(f'viewer {viewer} needs {" and ".join(missing)}: sudo apt install {names}')
+        instead = '; or pip install "kapitsa_ros[foxglove]"' if viewer == 'foxglove' else ''
+        raise UsageError(f'viewer {viewer} needs {" and ".join(missing)}: sudo apt install {names}{instead}')
     if viewer == 'rviz':
         config = str(resource_path('config', 'viewers', 'kapitsa.rviz'))
         return [_state_publisher(plant), Program('rviz2', 'rviz2', ('-d', config), {'use_sim_time': True})]
@@ -79,7 +100,7 @@ def _bridge() -> Program:
         'foxglove_bridge',
         parameters={
             'address': '127.0.0.1',
-            'port': 8765,
+            'port': FOXGLOVE_PORT,
             'use_sim_time': True,
             'best_effort_qos_topic_whitelist': [f'/{topic.name}' for topic in RECORDED],
         },

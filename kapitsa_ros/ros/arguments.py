@@ -6,6 +6,10 @@ from itertools import takewhile
 
 COMPOSED = 'composed'
 """In the place of a role: several nodes in one process; their roles follow, or else it is all those of a rig."""
+FOXGLOVE_SERVER = 'foxglove_server'
+"""In the place of a role: what shows a rig or a replay to clients of Foxglove's protocol."""
+FOXGLOVE_PORT = 8765
+"""Where they look first."""
 PARENT_OPTION = '--parent-pid'
 """A node whose parent is no longer this process ends: nothing outlives its rig."""
 NO_LOG_FILES = ['--ros-args', '--disable-external-lib-logs']

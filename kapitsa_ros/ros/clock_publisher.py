@@ -22,9 +22,9 @@ class ClockPublisher:
         self._publisher = node.create_publisher(Clock, '/clock', VIEW)
         self._throttle = Throttle()
 
-    def publish(self, stamp_ns: int) -> None:
-        """Publish a simulated time, unless the last is too fresh."""
-        if self._throttle.due():
+    def publish(self, stamp_ns: int, *, is_last: bool) -> None:
+        """Publish a simulated time, unless the last is too fresh; always the last before time stands still."""
+        if self._throttle.due() or is_last:
             self._publisher.publish(Clock(clock=to_time(stamp_ns)))
 
 

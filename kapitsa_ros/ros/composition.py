@@ -20,7 +20,7 @@ from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kapitsa_ros.ros.dataflow_node import DataflowNode
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 PATIENCE = 1.0
 """Seconds given to DDS to take the nodes down."""
@@ -38,9 +38,9 @@ class Composition:
 
     """
 
-    def __init__(self, creates: Mapping[str, Callable[[], DataflowNode]]) -> None:
+    def __init__(self, creates: Mapping[str, Callable[[], ProcessNode]]) -> None:
         self._creates = creates
-        self._nodes: list[DataflowNode] = []
+        self._nodes: list[ProcessNode] = []
         self._loop: NodeLoop | None = None
         self._executor: Any = None
         self._in_making = next(iter(creates))
@@ -115,7 +115,7 @@ class Composition:
             watchdog.disarm()
 
 
-def _create(create: Callable[[], DataflowNode]) -> DataflowNode:
+def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
     try:
         node = create()
     except RCLError as error:

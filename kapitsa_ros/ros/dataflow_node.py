@@ -12,7 +12,6 @@ from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
 from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
-from rclpy.node import Node
 
 from kapitsa_ros.errors import shorten
 from kapitsa_ros.network.cdr import aligned, read_step_id, stamp_of
@@ -27,6 +26,7 @@ from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
 from kapitsa_ros.ros.peer_discovery import PeerDiscovery
+from kapitsa_ros.ros.process_node import ProcessNode
 from kapitsa_ros.ros.qos import LATCHED, STREAM, message_class
 from kapitsa_ros.ros.throttle import Throttle
 
@@ -57,7 +57,7 @@ PARTING = Duration(nanoseconds=200_000_000)
 """How long words are waited for that nobody depends on."""
 
 
-class DataflowNode(Node):
+class DataflowNode(ProcessNode):
     """Base of the eight nodes: numbered topics in and out, and peers to wait for.
 
     Parameters
@@ -68,8 +68,7 @@ class DataflowNode(Node):
     """
 
     def __init__(self, role: Role) -> None:
-        super().__init__(role.name)
-        self.role = role
+        super().__init__(role)
         expect = declare(
             self, 'expect', list(REQUIRED_NAMES), 'roles of the graph: no step is emitted before they are matched'
         )
@@ -79,11 +78,6 @@ class DataflowNode(Node):
             raise SettingError(
                 f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLE_NAMES)}'
             )
-        self.finished = False
-        self.heard = False
-        """Whether a message has come since somebody has looked, and..."""
-        self.wait = 0.0
-        """... in how many seconds the node has to be polled, as it has left it."""
         self._failure: Exception | None = None
         self._refused = 0
         self._held_up = 0
@@ -125,9 +119,6 @@ class DataflowNode(Node):
     def pending(self) -> float:
         """Return the seconds until something is due besides steps."""
         return math.inf
-
-    def close(self) -> None:
-        """Leave nothing half done: called once, however the node ends."""
 
     # What every role has.
 

@@ -23,9 +23,18 @@ def reporter_name(node: Node) -> str:
 
 
 def progress_message(
-    node: str, step_id: StepId, stamp_ns: int, pace: RealTimePacer, *, is_late: bool = False
+    node: str,
+    step_id: StepId,
+    stamp_ns: int,
+    pace: RealTimePacer,
+    *,
+    is_late: bool = False,
+    paused: bool | None = None,
 ) -> DiagnosticArray:
-    """Return the state of the node that owns time; a warning where it has given up time since the last report."""
+    """Return the state of the node that owns time; a warning where it has given up time since the last report.
+
+    Whether it stands still (`paused`) can say who reports even then.
+    """
     values = {
         'run': step_id.run,
         'step': step_id.step,
@@ -34,6 +43,7 @@ def progress_message(
         'step_rate_hz': pace.step_rate,
         'deadline_misses': pace.misses,
         'session_over': ends_session(step_id),
+        **({} if paused is None else {'paused': paused}),
     }
     level, text = (DiagnosticStatus.WARN, f'{step_id}, late') if is_late else (DiagnosticStatus.OK, str(step_id))
     return _array(f'{node}: progress', stamp_ns, level, text, values)

@@ -14,11 +14,11 @@ from kapitsa_ros.ros.reachability import refuse_unreachable
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
-    from kapitsa_ros.ros.dataflow_node import DataflowNode
     from kapitsa_ros.ros.parameters import Declaration
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 
-def help_text(role: str, description: str, create: Callable[[], DataflowNode]) -> str:
+def help_text(role: str, description: str, create: Callable[[], ProcessNode]) -> str:
     """Return the help of a node, which is made for it and destroyed: its constructor declares the parameters.
 
     Raises

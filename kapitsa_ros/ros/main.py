@@ -24,10 +24,10 @@ from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signa
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
-    from kapitsa_ros.ros.dataflow_node import DataflowNode
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 
-def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
+def run(arguments: list[str], create: Callable[[], ProcessNode]) -> int:
     """Run a node until its session is over, a signal comes or its parent is gone.
 
     Parameters
@@ -46,7 +46,7 @@ def run(arguments: list[str], create: Callable[[], DataflowNode]) -> int:
     return run_composed(arguments, {arguments[0]: create})
 
 
-def run_composed(arguments: list[str], creates: Mapping[str, Callable[[], DataflowNode]]) -> int:
+def run_composed(arguments: list[str], creates: Mapping[str, Callable[[], ProcessNode]]) -> int:
     """Run several nodes in this process until all have finished, one fails, a signal comes or its parent is gone.
 
     Parameters

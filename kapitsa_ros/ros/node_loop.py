@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kapitsa_ros.ros.dataflow_node import DataflowNode
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 
 class NodeLoop:
@@ -22,7 +22,7 @@ class NodeLoop:
 
     """
 
-    def __init__(self, nodes: Sequence[DataflowNode]) -> None:
+    def __init__(self, nodes: Sequence[ProcessNode]) -> None:
         self._nodes = nodes
         self._due = dict.fromkeys(nodes, 0.0)
         """Those that have not finished, and when each has to be polled, s of the steady clock."""
@@ -60,7 +60,7 @@ class NodeLoop:
             for node in self._nodes:
                 closing.callback(self._close, node)
 
-    def _close(self, node: DataflowNode) -> None:
+    def _close(self, node: ProcessNode) -> None:
         try:
             node.close()
         except Exception:

@@ -21,9 +21,10 @@ class ProgressReporter:
         self._throttle = Throttle(REPORT_PERIOD)
         self._misses = 0
 
-    def tell(self, step_id: StepId, stamp_ns: int) -> None:
+    def tell(self, step_id: StepId, stamp_ns: int, *, paused: bool | None = None) -> None:
         """Tell of the step just made, if it ends a run or the last report is old."""
         if self._throttle.due() or step_id.end:
             is_late = self._pace.misses > self._misses
             self._misses = self._pace.misses
-            self._publisher.publish(progress_message(self._name, step_id, stamp_ns, self._pace, is_late=is_late))
+            message = progress_message(self._name, step_id, stamp_ns, self._pace, is_late=is_late, paused=paused)
+            self._publisher.publish(message)

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from std_msgs.msg import Float64
 
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.registry import CLIENT, RESULT, TOPICS, WRITTEN, topic_named
+from kapitsa_ros.network.registry import CLIENT, JIGSAW, REQUESTS, RESULT, TOPICS, WRITTEN, topic_named
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
-from kapitsa_ros.ros.time_control_client import TimeControlClient
+from kapitsa_ros.ros.time_control_client import RESET, TimeControlClient
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -68,10 +68,8 @@ class RigClient(ListenerNode):
         super().__init__(CLIENT.name, domain)
         for topic in TOPICS:
             NumberedSubscription(self._node, topic, self._taker(topic), lambda _: None, self.fail)
-        self._asks: dict[str, Publisher] = {
-            name: self._node.create_publisher(Float64, name, 10) for name in ('operator/speed', 'operator/release')
-        }
-        self._time = TimeControlClient(self._node, 'jigsaw', 'reset')
+        self._asks: dict[str, Publisher] = {name: self._node.create_publisher(Float64, name, 10) for name in REQUESTS}
+        self._time = TimeControlClient(self._node, JIGSAW.name, RESET)
         self.news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)  # last: only leaving the context closes it
         """File descriptor."""
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 SERVICES = ('pause', 'resume', 'toggle_paused', 'step')
 """Of every node that owns time."""
+RESET = 'reset'
+"""Of the jigsaw besides."""
 
 
 class TimeControlClient:

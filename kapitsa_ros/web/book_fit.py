@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.bench.message import Message
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
+from kapitsa_ros.message import Message, said_by
 from kapitsa_ros.web.fit_values import fit_values
 
 if TYPE_CHECKING:
@@ -45,7 +45,10 @@ class BookFit:
 
     def values(self, words: dict[str, str]) -> dict[str, Any]:
         """Return what is to be drawn and said; numbers are RPM and s."""
-        return {'why': self._why.said_by(words) if not self._values else None} | self._values
+        if not self._values:
+            return {'why': self._why.said_by(words)}
+        warnings = [said_by(text, words) for text in self._values['warnings']]
+        return {'why': None} | self._values | {'warnings': warnings}
 
     def begin(self, table: Path, readings: int) -> None:
         """Work the fit out anew, from a table with a number of readings; of several that wait the last."""
@@ -62,7 +65,7 @@ class BookFit:
                 try:
                     values = fit_values(await asyncio.to_thread(_reduced, table, self._plant, self._amplitude_sigma))
                 except (KapitsaError, OSError) as error:
-                    why = Message(str(error))
+                    why = said_of(error)
             self._values, self._why = values, why
             self._on_change()
 

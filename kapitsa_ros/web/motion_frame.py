@@ -5,8 +5,9 @@ from __future__ import annotations
 import struct
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from kapitsa_ros.physics.sampled_motion import SampledMotion
@@ -46,6 +47,6 @@ def encode_motion(
 
     """
     times, heights = flashes
-    parts = [pendulum.position, scale * pivot.position, times - start, heights]
+    parts = np.concatenate((pendulum.position, scale * pivot.position, times - start, heights))
     header = HEADER.pack(run, pendulum.position.size, start, pendulum.period, times.size)
-    return header + b''.join(part.astype('<f4').tobytes() for part in parts)
+    return header + parts.astype('<f4').tobytes()

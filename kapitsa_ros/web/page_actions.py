@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
 from kapitsa_ros.web.errors import PageRequestError
 
@@ -39,8 +39,8 @@ async def carry_out(bench: WebBench, request: PageRequest) -> None:
         raise PageRequestError('there is no rig: begin the next run')
     try:
         _ACTIONS[request.name](bench, bench.controls, request.value)
-    except (KapitsaError, ValueError) as error:
-        raise PageRequestError(str(error)) from error
+    except KapitsaError as error:
+        raise PageRequestError(error.said.template, **error.said.values) from error
     bench.changed()
 
 
@@ -117,7 +117,7 @@ def _look_at_plot(bench: WebBench, controls: BenchControls, value: None) -> None
         try:
             bench.state.notebook.note(f'run {bench.state.run}, {bench.now():.1f} s: the plot of the angle is looked at')
         except OSError as error:
-            raise PageRequestError('the book cannot note that: {why}', why=error) from error
+            raise PageRequestError('the book cannot note that: {why}', why=said_of(error)) from error
     bench.plot_seen = not bench.plot_seen
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from starlette.websockets import WebSocketDisconnect
 
-from kapitsa_ros.bench.message import Message
+from kapitsa_ros.message import Message
 from kapitsa_ros.web.catalogue import choose_language, words_of
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.page_actions import carry_out

@@ -64,9 +64,9 @@ def parse_request(frame: str) -> PageRequest:
     if not isinstance(content, dict) or not isinstance(name := content.get('do'), str):
         raise PageRequestError('a request is a JSON object with "do" and, where it needs one, "value"')
     if name not in _VALUES:
-        raise PageRequestError(f'there is no request {name[:_LONGEST_TEXT]!r}')
+        raise PageRequestError('there is no request {name!r}', name=name[:_LONGEST_TEXT])
     if unknown := content.keys() - {'do', 'value'}:
-        raise PageRequestError(f'{name}: {min(unknown)[:_LONGEST_TEXT]!r} is not understood')
+        raise PageRequestError('{name}: {unknown!r} is not understood', name=name, unknown=min(unknown)[:_LONGEST_TEXT])
     return PageRequest(name, _value(name, content.get('value')))
 
 
@@ -74,11 +74,11 @@ def _value(name: str, value: Any) -> Any:
     kinds = _VALUES[name]
     if not kinds:
         if value is not None:
-            raise PageRequestError(f'{name}: takes no value')
+            raise PageRequestError('{name}: takes no value', name=name)
         return None
     if kinds == (dict,):
         if not isinstance(value, dict) or len(value) > _MOST_NAMES:
-            raise PageRequestError(f'{name}: needs {_MOST_NAMES} values by their names')
+            raise PageRequestError('{name}: needs {most} values by their names', name=name, most=_MOST_NAMES)
         return {each[:_LONGEST_TEXT]: _checked(name, item, (str, float)) for each, item in value.items()}
     return _checked(name, value, kinds)
 
@@ -86,15 +86,17 @@ def _value(name: str, value: Any) -> Any:
 def _checked(name: str, value: Any, kinds: tuple[type, ...]) -> Any:
     number: Any = value
     if isinstance(value, bool) or not isinstance(value, (*kinds, *((int,) if float in kinds else ()))):
-        raise PageRequestError(f'{name}: needs a {"whole number" if kinds == (int,) else "number"}')
+        if kinds == (int,):
+            raise PageRequestError('{name}: needs a whole number', name=name)
+        raise PageRequestError('{name}: needs a number', name=name)
     if isinstance(value, str):
         if len(value) > _LONGEST_TEXT:
-            raise PageRequestError(f'{name}: longer than {_LONGEST_TEXT} characters')
+            raise PageRequestError('{name}: longer than {most} characters', name=name, most=_LONGEST_TEXT)
         return value.strip()
     if not -_LARGEST < number < _LARGEST:
-        raise PageRequestError(f'{name}: no number that can be meant')
+        raise PageRequestError('{name}: no number that can be meant', name=name)
     return value
 
 
 def _refuse_constant(name: str) -> NoReturn:
-    raise PageRequestError(f'{name} is no number')
+    raise PageRequestError('{name} is no number', name=name)

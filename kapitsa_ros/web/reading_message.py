@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.bench.message import Message
 from kapitsa_ros.instruments.strobe import StrobeReading
+from kapitsa_ros.message import Message
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:

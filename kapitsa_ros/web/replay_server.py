@@ -13,7 +13,8 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Route
 
 from kapitsa_ros._api.report import report
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
+from kapitsa_ros.message import said_by
 from kapitsa_ros.web.catalogue import words_of
 from kapitsa_ros.web.fit_values import fit_values
 from kapitsa_ros.web.guard import DOCUMENT_POLICY, Guard
@@ -61,14 +62,19 @@ def replay_application(
             run, begin, count = (int(asked.get(name, '')) for name in ('run', 'from', 'count'))
             found = await asyncio.to_thread(runs.motion, run, begin, count, float(asked.get('dial', '0')))
         except (ValueError, KapitsaError) as error:
-            return PlainTextResponse(str(error), HTTPStatus.BAD_REQUEST)
+            said = said_of(error).said_by(words_of(language_of(request)))
+            return PlainTextResponse(said, HTTPStatus.BAD_REQUEST)
         return Response(found, media_type='application/octet-stream')
 
-    async def fit(request: Request) -> Response:  # noqa: ARG001
+    async def fit(request: Request) -> Response:
+        words = words_of(language_of(request))
         try:
-            return JSONResponse({'why': None} | await worked_out.result())
+            values = await worked_out.result()
         except KapitsaError as error:
-            return JSONResponse({'why': str(error)})
+            return JSONResponse({'why': error.said.said_by(words)})
+        return JSONResponse(
+            {'why': None} | values | {'warnings': [said_by(text, words) for text in values['warnings']]}
+        )
 
     async def laboratory_report(request: Request) -> Response:  # noqa: ARG001
         try:

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kapitsa_ros.analysis.experiment import true_threshold
-from kapitsa_ros.bench.message import Message
 from kapitsa_ros.bench.notebook import Notebook
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
+from kapitsa_ros.message import Message
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_folders
@@ -187,7 +187,7 @@ class StudentBench(WebBench):
             try:
                 await self.start()
             except (KapitsaError, OSError) as error:
-                self.failure = Message(str(error))
+                self.failure = said_of(error)
         self.changed()
 
     def _go_on(self) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import time
 from collections import deque
 from contextlib import suppress
@@ -11,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.bench_state import BenchState
-from kapitsa_ros.bench.message import Message
-from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.errors import KapitsaError, said_of
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.rig.harness import Rig
@@ -27,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kapitsa_ros.bench.notebook import Notebook
+    from kapitsa_ros.message import Message
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.physics.sampled_motion import SampledMotion
     from kapitsa_ros.rig.errors import RigError
@@ -134,7 +133,7 @@ class WebBench:
             try:
                 await self.start()
             except (KapitsaError, OSError) as error:
-                self.failure = Message(str(error))
+                self.failure = said_of(error)
             else:
                 self.failure = None
                 if speed and self.controls is not None:
@@ -205,9 +204,7 @@ class WebBench:
                 self._pivot = step_id, value
             elif topic == MOTION.name and self._pivot is not None and self._pivot[0] == step_id:
                 self._show(step_id, value, self._pivot[1])
-        now = self.now()
-        if not math.isnan(self.state.angle(now)):
-            self.state.check_fall(now)
+        self.state.check_fall(self.now())
         self._only_moved = not self._has_said_more()
 
     def _has_said_more(self) -> bool:
@@ -228,7 +225,7 @@ class WebBench:
             page.show(frame)
 
     def _receive_failure(self, error: RigError) -> None:
-        self.failure = Message(str(error))
+        self.failure = said_of(error)
         self.changed()
 
     async def _stop_rig(self) -> None:

@@ -17,8 +17,9 @@ from bag_of_a_made_up_run import write
 from mcap.reader import make_reader
 
 from kapitsa_ros.network.typestore import deserialise
+from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.export_files import export
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import RunBag, open_runs
 from kapitsa_ros.recording.storage.mcap_file import McapFile
 
 DecoderFactory = pytest.importorskip('mcap_ros2.decoder').DecoderFactory
@@ -70,6 +71,11 @@ def joints(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, RunBag]:
     bag = tmp_path_factory.mktemp('exported') / 'joints'
     export(run, 'joint-states', bag)
     return bag, run
+
+
+def test_a_bag_of_others_names_the_joint_that_can_be_analysed(joints: tuple[Path, RunBag]) -> None:
+    with pytest.raises(BagError, match=r'; joint pendulum in it is analysed by `kapitsa analyse .* --joint NAME'):
+        open_runs(joints[0])
 
 
 def test_viewers_see_one_curve(joints: tuple[Path, RunBag]) -> None:

@@ -4,6 +4,7 @@ import itertools
 import json
 import math
 import re
+import sys
 import time
 import xml.etree.ElementTree as ET
 from collections.abc import Callable, Iterator
@@ -301,7 +302,7 @@ def plots(layout: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
             yield panel['title'], topic, rest
 
 
-LAYOUTS = ('foxglove.json', 'foxglove_bag.json')
+LAYOUTS = ('foxglove.json', 'foxglove_replay.json', 'foxglove_bag.json')
 EXPORTED = 'foxglove_joint_states.json'  # its paths: test_other_readers.py
 
 
@@ -333,6 +334,13 @@ def test_foxglove_lays_out_every_panel_once(name: str) -> None:
             yield from leaves(tree['second'])
 
     assert sorted(leaves(layout['layout'])) == sorted(layout['configById'])
+
+
+def test_a_replay_has_the_layout_of_a_rig_at_the_times_of_its_own() -> None:
+    text = (CONFIG / 'foxglove.json').read_text(encoding='utf-8')
+    replayed = (CONFIG / 'foxglove_replay.json').read_text(encoding='utf-8')
+    assert replayed == text.replace('"headerStamp"', '"receiveTime"')
+    assert replayed != text
 
 
 def test_foxglove_shows_bags_what_is_in_them() -> None:
@@ -409,13 +417,33 @@ def test_rviz_shows_the_model_in_its_frame() -> None:
 # What launch files start.
 
 
+def test_foxglove_is_served_by_our_own_where_its_bridge_is_not_installed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip('foxglove')
+    monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
+    (live,) = programs('foxglove', Plant())
+    assert (live.package, live.executable, live.parameters) == ('kapitsa_ros', 'foxglove_server', {'port': 8765})
+    (replayed,) = programs('foxglove', Plant(), ['runs/run_01'])
+    assert replayed.parameters == {'port': 8765, 'bags': ['runs/run_01']}
+    index = tmp_path / 'share' / 'ament_index' / 'resource_index' / 'packages'
+    index.mkdir(parents=True)
+    for package in ('robot_state_publisher', 'foxglove_bridge'):
+        (index / package).touch()
+    assert [program.package for program in programs('foxglove', Plant())] == [
+        'robot_state_publisher',
+        'foxglove_bridge',
+    ]
+
+
 @pytest.mark.parametrize('viewer', [name for name in VIEWERS if name != 'none'])
 def test_a_viewer_that_is_not_installed_is_named_with_its_package(
     viewer: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setitem(sys.modules, 'foxglove', None)
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     monkeypatch.setenv('ROS_DISTRO', 'jazzy')
-    with pytest.raises(UsageError, match=rf'^viewer {viewer} needs .*: sudo apt install ros-jazzy-[a-z0-9-]+( |$)'):
+    with pytest.raises(UsageError, match=rf'^viewer {viewer} needs .*: sudo apt install ros-jazzy-[a-z0-9-]+( |;|$)'):
         programs(viewer, Plant())
 
 

@@ -1,7 +1,9 @@
 """The bench in a browser without a server: requests, limits, pages, words, files."""
 
+import ast
 import asyncio
 import json
+import pickle
 import re
 import string
 import struct
@@ -10,11 +12,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from kapitsa_ros.bench.message import Message
+from kapitsa_ros.analysis.table import Readings, refuse_mixed_units
+from kapitsa_ros.analysis.timing_row import TimingRow
+from kapitsa_ros.errors import KapitsaError, QuantityError, said_of
 from kapitsa_ros.instruments.lamp import Lamp
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
+from kapitsa_ros.message import Message, said_by
+from kapitsa_ros.operator.requests import check_speed
 from kapitsa_ros.physics.sampled_motion import SampledMotion
-from kapitsa_ros.units import RPM
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.units import RPM, parse_speed
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.catalogue import choose_language, languages, translated, words_of
 from kapitsa_ros.web.errors import PageRequestError
@@ -161,6 +168,27 @@ def test_a_refusal_is_said_in_the_language_of_the_page() -> None:
     assert error.said.said_by(words_of('de')) == 'eine Zahl von 1 bis 9'
 
 
+def test_an_error_of_a_deeper_room_is_said_in_the_language_of_the_page() -> None:
+    german = words_of('de')
+    with pytest.raises(QuantityError) as typed:
+        parse_speed('2500 rpn')
+    german_text = "'2500 rpn' ist keine Zahl mit einer Einheit, die sich in rad/s umrechnen lässt"
+    assert typed.value.said.said_by(german) == german_text
+    with pytest.raises(KapitsaError) as asked:
+        check_speed(900.0, 523.6)
+    assert asked.value.said.said_by(german).startswith('eine Drehzahl von 900.0 rad/s')
+    with pytest.raises(KapitsaError) as table:
+        refuse_mixed_units(Readings(*np.array([[200.0], [9000.0], [0.0], [0.0]])))
+    assert str(table.value) == 'row 1: a period of 9000 s: give the period in seconds, neither milliseconds nor RPM'
+    assert table.value.said.said_by(german).startswith('Zeile 1: eine Periode von 9000 s')
+    miscount = TimingRow(kind='timed', speed=200.0, swings=3, swings_taken=4, run=2).miscount
+    assert miscount == 'run 2: 3 swings counted, taken as 4, by the other readings'
+    assert said_by(miscount, german).startswith('Lauf 2: 3 Schwingungen gezählt')
+    death = RigError('{node} died with status {status}{lines}', node='jigsaw', status=1, lines=': no disk')
+    said = said_of(death)
+    assert pickle.loads(pickle.dumps(said)).said_by(german) == 'jigsaw ist mit Status 1 gestorben: no disk'  # noqa: S301
+
+
 def test_a_frame_has_the_motion_and_the_flashes_of_its_step() -> None:
     period, speed = 0.001, 2240 * RPM
     time = period * np.arange(101)
@@ -186,6 +214,14 @@ def test_languages_are_chosen_by_link_then_by_browser() -> None:
     assert choose_language('../../etc', 'xx') == 'en'
 
 
+DEEPER = (
+    '_api/reduce.py', 'analysis/errors.py', 'analysis/line_fit.py', 'analysis/table.py', 'analysis/timing_row.py',
+    'bench/bench_state.py', 'bench/notebook.py', 'bench/rig_worker.py', 'operator/requests.py', 'rig/harness.py',
+    'rig/node_group.py', 'units.py',
+)  # fmt: skip
+"""Rooms without a page whose sentences reach one."""
+
+
 def sentences() -> set[str]:
     """Every sentence that a page can show and a catalogue should have, found where it stands."""
     found: set[str] = set()
@@ -202,10 +238,22 @@ def sentences() -> set[str]:
     return found
 
 
+def errors_of_deeper_rooms() -> set[str]:
+    """What is wrong with a request, a reading or a rig, as the rooms that find it say it: by the calls that make it."""
+    found: set[str] = set()
+    for name in DEEPER:
+        tree = ast.parse((PACKAGE / name).read_text(encoding='utf-8'))
+        for call in ast.walk(tree):
+            if isinstance(call, ast.Call) and re.search(r'(Error|Message|__init__|_refuse)$', ast.unparse(call.func)):
+                constants = [argument.value for argument in call.args if isinstance(argument, ast.Constant)]
+                found |= {value for value in constants if isinstance(value, str)}
+    return found
+
+
 @pytest.mark.parametrize('language', ['de'])
 def test_a_catalogue_has_every_sentence_with_its_values(language: str) -> None:
     words = words_of(language)
-    assert sentences() == words.keys()
+    assert sentences() | errors_of_deeper_rooms() == words.keys()
     for english, other in words.items():
         names = [{field for _, field, _, _ in string.Formatter().parse(text) if field} for text in (english, other)]
         assert names[0] == names[1], english

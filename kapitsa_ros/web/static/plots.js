@@ -1,9 +1,10 @@
 // Plots: the readings with the fitted line, the angle over the last seconds, and over a whole run.
 
 import { prepare } from './drawing.js';
+import { say } from './words.js';
 
 const LEFT = 46;
-const BOTTOM = 34;
+const BOTTOM = 40;
 const TOP = 10;
 const RIGHT = 12;
 
@@ -23,9 +24,22 @@ function axes(pen, width, height, colors, xText, yText) {
   pen.fillText(yText, LEFT + 6, TOP + 8);
 }
 
+// Round values from low to high, four to eight of them, with the digits that tell them apart.
+export function ticks(low, high) {
+  const rough = (high - low) / 5;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((size) => size >= 0.8 * rough);
+  const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const marks = [];
+  for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i++) {
+    marks.push({ value: i * step, text: (i * step).toFixed(decimals).replace('-', '−') });
+  }
+  return marks;
+}
+
 export function drawFit(canvas, fit, colors) {
   const { pen, width, height } = prepare(canvas);
-  axes(pen, width, height, colors, 'ω², 10⁶ RPM²', 'Ω², 10³ RPM²');
+  axes(pen, width, height, colors, say('ω², 10⁶ RPM²'), say('Ω², 10³ RPM²'));
   if (!fit || !fit.forcing_rpm) return;
   const points = fit.forcing_rpm.map((speed, i) => [speed ** 2 / 1e6, fit.slow_rpm[i] ** 2 / 1e3]);
   const ends = fit.interval_rpm.filter((end) => end !== null).map((end) => end ** 2 / 1e6);
@@ -38,19 +52,22 @@ export function drawFit(canvas, fit, colors) {
   const py = (y) => height - BOTTOM - (y / top) * (height - BOTTOM - TOP);
   pen.textAlign = 'center';
   pen.fillStyle = colors.faint;
-  for (let i = 0; i <= 4; i++) {
-    const x = low + ((high - low) * i) / 4;
-    pen.fillText(x.toFixed(1), px(x), height - BOTTOM + 14);
-    pen.fillText(((top * i) / 4).toFixed(0), LEFT - 20, py((top * i) / 4) + 4);
-  }
+  for (const { value, text } of ticks(low, high)) pen.fillText(text, px(value), height - BOTTOM + 20);
+  pen.textAlign = 'right';
+  for (const { value, text } of ticks(0, top)) pen.fillText(text, LEFT - 6, py(value) + 4);
   if (fit.slope !== null && fit.inverse_rpm !== null) {
     const line = (x) => fit.slope * (x - crossing ** 2 / 1e6) * 1e3;
     pen.strokeStyle = colors.accent;
     pen.lineWidth = 2;
+    pen.save();
+    pen.beginPath();
+    pen.rect(LEFT, TOP, width - LEFT - RIGHT, height - TOP - BOTTOM);
+    pen.clip();
     pen.beginPath();
     pen.moveTo(px(crossing ** 2 / 1e6), py(0));
-    pen.lineTo(px(high), py(Math.min(line(high), top * 1.2)));
+    pen.lineTo(px(high), py(line(high)));
     pen.stroke();
+    pen.restore();
   }
   if (ends.length) { // the interval of the best estimate, on the axis; an end that is not there has no cap
     const [from, to] = fit.interval_rpm;
@@ -86,7 +103,9 @@ export function drawAngle(canvas, store, time, colors) {
   const px = (part) => LEFT + part * (width - LEFT - RIGHT);
   const py = (angle) => TOP + ((reach - angle) / (2 * reach)) * (height - TOP - BOTTOM);
   pen.textAlign = 'right';
-  for (const mark of [-reach / 1.1, 0, reach / 1.1]) pen.fillText(mark.toFixed(2), LEFT - 6, py(mark) + 4);
+  for (const { value, text } of ticks(-reach, reach)) pen.fillText(text, LEFT - 6, py(value) + 4);
+  pen.textAlign = 'center';
+  for (const { value, text } of ticks(-span, 0)) pen.fillText(text, px((value + span) / span), height - BOTTOM + 20);
   pen.strokeStyle = colors.accent;
   pen.lineWidth = 1.5;
   pen.beginPath();

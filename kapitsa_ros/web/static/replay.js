@@ -90,6 +90,8 @@ function showRuns() {
       each.period_s === null ? '' : each.period_s.toFixed(3), state.filter(Boolean).join(', '),
     ];
     for (const text of texts) row.insertCell().textContent = String(text);
+    const parts = each.name.split('_').flatMap((part, i) => (i ? ['_', document.createElement('wbr'), part] : [part]));
+    row.cells[0].replaceChildren(...parts); // on a narrow page a name may go on below
     return row;
   });
   document.querySelector('#runs tbody').replaceChildren(...rows);
@@ -176,6 +178,7 @@ function bind() {
   document.addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
     const target = event.target;
+    if (event.key === 'Escape' && target.matches('input, select')) target.blur(); // so that the keys are the page's again
     if (target.matches('input, select, .scroll') || (event.key === ' ' && target.matches('button, a, summary'))) return;
     const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!act) return;

@@ -1,4 +1,4 @@
-"""A sentence for the person at the bench."""
+"""A sentence for a person, which can be said in another language."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Message(str):
     template
         Of `str.format`; it is what a catalogue of another language is asked for.
     values
-        What it is filled with.
+        What it is filled with; other messages among them are said in the same language.
 
     """
 
@@ -30,4 +30,10 @@ class Message(str):
     def said_by(self, words: dict[str, str]) -> str:
         """Return the sentence by a catalogue of English templates; in English where it lacks this one."""
         template = words.get(self.template, self.template)
-        return template.format(**self.values) if self.values else template
+        values = {name: said_by(value, words) for name, value in self.values.items()}
+        return template.format(**values) if values else template
+
+
+def said_by(text: Any, words: dict[str, str]) -> Any:
+    """Return a sentence by a catalogue; what does not know what it was made of stays as it is."""
+    return text.said_by(words) if isinstance(text, Message) else text
