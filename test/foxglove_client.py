@@ -5,7 +5,7 @@ import struct
 import time
 from collections import defaultdict
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from typing import Any, Self
 
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
@@ -25,7 +25,9 @@ class FoxgloveClient:
 
     def __init__(self, port: int) -> None:
         self.port = port
-        self.link: Any = connect(f'ws://127.0.0.1:{port}', subprotocols=['foxglove.sdk.v1'], max_size=None)
+        self._stack = ExitStack()
+        address = f'ws://127.0.0.1:{port}'
+        self.link: Any = self._stack.enter_context(connect(address, subprotocols=['foxglove.sdk.v1'], max_size=None))
         self.info: dict[str, Any] = {}
         self.channels: dict[str, dict[str, Any]] = {}
         self.services: dict[str, dict[str, Any]] = {}
@@ -40,11 +42,10 @@ class FoxgloveClient:
         self._number = 0
 
     def __enter__(self) -> Self:
-        self.link.__enter__()
         return self
 
-    def __exit__(self, *raised: object) -> None:
-        self.link.__exit__(*raised)
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
 
     def until(self, true: Callable[[], Any], patience: float = PATIENCE) -> None:
         deadline = time.monotonic() + patience

@@ -58,7 +58,7 @@ class ParameterForwarder:
         for name in self._nodes.keys() - there:
             self._nodes.pop(name).close()
         for name in there - self._nodes.keys():
-            self._nodes[name] = _NodeParameters(self._node, name, partial(self._take, name))
+            self._nodes[name] = _NodeParameters(self._node, name, partial(self.take, name))
         for parameters in self._nodes.values():
             parameters.ask()
 
@@ -111,10 +111,11 @@ class ParameterForwarder:
             return str(error)
         if not result.successful:
             return str(result.reason)
-        self._take(node, [wanted])
+        self.take(node, [wanted])
         return None
 
-    def _take(self, node: str, parameters: Iterable[Parameter]) -> None:
+    def take(self, node: str, parameters: Iterable[Parameter]) -> None:
+        """Note what parameters of a node are now, and show those that have changed."""
         known = self._nodes.get(node)
         if known is None:
             return
@@ -126,7 +127,7 @@ class ParameterForwarder:
             self._server.show_parameters([_shown(f'{node}.{item.name}', item) for item in changed])
 
     def _take_event(self, event: ParameterEvent) -> None:
-        self._take(event.node, map(Parameter.from_parameter_msg, [*event.new_parameters, *event.changed_parameters]))
+        self.take(event.node, map(Parameter.from_parameter_msg, [*event.new_parameters, *event.changed_parameters]))
 
 
 class _NodeParameters:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray
 from foxglove.websocket import PlaybackCommand, PlaybackState, PlaybackStatus
+from rclpy.parameter import Parameter
 
 from kapitsa_ros.live_view.answer import answer_to
 from kapitsa_ros.network.registry import PLAYER
@@ -45,7 +46,9 @@ class PlaybackControl:
         self._server, self._timeline, self._parameters = server, timeline, parameters
         self._player = TimeControlClient(node, PLAYER.name)
         owner = f'{node.get_namespace().rstrip("/")}/{PLAYER.name}'
-        self._rate, self._report = f'{owner}.rate', f'{PLAYER.name if owner.count("/") == 1 else owner}: progress'
+        self._owner, self._report = owner, f'{PLAYER.name if owner.count("/") == 1 else owner}: progress'
+        self._asked = 0.0
+        """Pace that a client has asked for, where the player's is not known yet."""
         self._measured = 1.0
         """Simulated over wall seconds, where the player goes as fast as it can."""
         self._time_ns = timeline.range_ns[0]
@@ -81,10 +84,7 @@ class PlaybackControl:
         is_to_play = request.playback_command == PlaybackCommand.Play
         if not is_to_play:  # before it goes to a place, or it would go on from there
             answer_to(self._player.call('pause'), PLAYER.name)  # which it refuses where it stands still
-        if wanted:
-            for result in answer_to(self._player.set_parameters(**wanted), PLAYER.name).results:
-                if not result.successful:
-                    self._server.warn(result.reason)
+        self._set(wanted)
         if is_to_play:
             answer_to(self._player.call('resume'), PLAYER.name)
         self._status = PlaybackStatus.Playing if is_to_play else PlaybackStatus.Paused
@@ -93,8 +93,19 @@ class PlaybackControl:
             self._time_ns = min(max(request.seek_time, begin), end)
         return request.seek_time is not None
 
+    def _set(self, wanted: dict[str, float]) -> None:
+        if not wanted:
+            return
+        results = answer_to(self._player.set_parameters(**wanted), PLAYER.name).results
+        for (name, value), result in zip(wanted.items(), results, strict=True):
+            if not result.successful:
+                self._server.warn(result.reason)
+            elif name == 'rate':
+                self._asked = value
+                self._parameters.take(self._owner, [Parameter(name, value=value)])
+
     def _speed(self) -> float:
-        return float(self._parameters.value(self._rate, 0.0)) or self._measured
+        return float(self._parameters.value(f'{self._owner}.rate', self._asked)) or self._measured
 
     def _state(self, *, did_seek: bool, request_id: str | None = None) -> PlaybackState:
         return PlaybackState(

@@ -7,7 +7,6 @@ from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.network.step_clock import SECOND
-from kapitsa_ros.ros.errors import SettingError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +24,7 @@ class ReplayTimeline:
 
     Raises
     ------
-    SettingError
+    ValueError
         Two of them have the same stamps, and a message would not tell of which it is.
 
     """
@@ -37,7 +36,7 @@ class ReplayTimeline:
             (bag.first_stamp_ns, bag.last_stamp_ns, begin) for bag, begin in zip(bags, begins, strict=True)
         )
         if any(before[1] >= after[0] for before, after in pairwise(self._runs)):
-            raise SettingError('parameter bags: two of these runs have the same number: show one of them at a time')
+            raise ValueError('two of these runs have the same number: replay one of them at a time')
         self.range_ns = bags[0].first_stamp_ns, bags[0].first_stamp_ns + sum(lengths)
         """Beginning and end."""
 

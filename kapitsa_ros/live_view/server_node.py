@@ -54,7 +54,7 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
         super().__init__(Role(name=FOXGLOVE_SERVER))
         port = declare(self, 'port', FOXGLOVE_PORT, f'of {ADDRESS}; 0: any that is free', 0, 65535)
         paths = [path for path in declare(self, 'bags', [''], 'folders of the runs that are replayed, if any') if path]
-        timeline = _timeline(paths) if paths else None
+        timeline = self._timeline(paths) if paths else None
         self._server, self._view_clock = FoxgloveServer(), ViewClock(timeline)
         self._topic_forwarder = TopicForwarder(self, self._server, self._view_clock)
         self._frame_transforms = FrameTransforms(self, self._server, self._view_clock)
@@ -96,6 +96,15 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
         self._server.show_time(time_ns)
         if self._playback_control is not None:
             self._playback_control.show(time_ns)
+
+    def _timeline(self, paths: list[str]) -> ReplayTimeline | None:
+        try:
+            return ReplayTimeline(runs_of(list(map(Path, paths))))
+        except BagError as error:
+            raise SettingError(f'parameter bags: {error}') from error
+        except ValueError as error:
+            self.get_logger().warning(f'no playback control: {error}')
+            return None
 
     # What clients want, called in threads of the server.
 
@@ -150,13 +159,6 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
     def _wake(self) -> None:
         if self.executor is not None:
             self.executor.wake()
-
-
-def _timeline(paths: list[str]) -> ReplayTimeline:
-    try:
-        return ReplayTimeline(runs_of(list(map(Path, paths))))
-    except BagError as error:
-        raise SettingError(f'parameter bags: {error}') from error
 
 
 create = FoxgloveServerNode

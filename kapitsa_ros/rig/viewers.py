@@ -63,7 +63,9 @@ def programs(viewer: str, plant: Plant, bags: Sequence[str] = ()) -> list[Progra
         'foxglove': ('robot_state_publisher', 'foxglove_bridge'),
     }[viewer]
     if viewer == 'foxglove' and find_spec('foxglove') and not _is_installed('foxglove_bridge'):
-        return [Program(PACKAGE, FOXGLOVE_SERVER, parameters={'bags': [*bags]} if bags else {})]
+        return [
+            Program(PACKAGE, FOXGLOVE_SERVER, parameters={'port': FOXGLOVE_PORT} | ({'bags': [*bags]} if bags else {}))
+        ]
     missing = [package for package in needed if not _is_installed(package)]
     if missing:
         names = ' '.join(

@@ -32,7 +32,6 @@ from foxglove_client import PAUSE, PLAY, FoxgloveClient
 
 from kapitsa_ros.live_view.frame_transforms import encode_transforms, joints_of
 from kapitsa_ros.live_view.replay_timeline import ReplayTimeline
-from kapitsa_ros.ros.errors import SettingError
 
 pytestmark = pytest.mark.xdist_group('viewers')
 SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
@@ -202,7 +201,7 @@ def test_what_is_no_model_is_refused(text: str) -> None:
 
 
 def test_runs_of_the_same_number_have_no_common_timeline() -> None:
-    with pytest.raises(SettingError, match='two of these runs have the same number'):
+    with pytest.raises(ValueError, match='two of these runs have the same number'):
         ReplayTimeline(runs_of([SHIPPED[0], SHIPPED[0]]))
 
 

@@ -423,9 +423,9 @@ def test_foxglove_is_served_by_our_own_where_its_bridge_is_not_installed(
     pytest.importorskip('foxglove')
     monkeypatch.setenv('AMENT_PREFIX_PATH', str(tmp_path))
     (live,) = programs('foxglove', Plant())
-    assert (live.package, live.executable, live.parameters) == ('kapitsa_ros', 'foxglove_server', {})
+    assert (live.package, live.executable, live.parameters) == ('kapitsa_ros', 'foxglove_server', {'port': 8765})
     (replayed,) = programs('foxglove', Plant(), ['runs/run_01'])
-    assert replayed.parameters == {'bags': ['runs/run_01']}
+    assert replayed.parameters == {'port': 8765, 'bags': ['runs/run_01']}
     index = tmp_path / 'share' / 'ament_index' / 'resource_index' / 'packages'
     index.mkdir(parents=True)
     for package in ('robot_state_publisher', 'foxglove_bridge'):
