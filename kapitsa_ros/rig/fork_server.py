@@ -178,14 +178,19 @@ def preload() -> None:
     from kapitsa_ros.network.registry import NODE_NAMES, TOPICS  # noqa: PLC0415
     from kapitsa_ros.network.typestore import load_type  # noqa: PLC0415
     from kapitsa_ros.nodes.pendulum import load_kernels  # noqa: PLC0415
-    from kapitsa_ros.ros.qos import load_type_support  # noqa: PLC0415
+    from kapitsa_ros.ros.type_support import (  # noqa: PLC0415
+        OF_EVERY_NODE,
+        OF_THOSE_THAT_KEEP_TIME,
+        load_type_supports,
+    )
 
     for name in NODE_NAMES:
         import_module(f'kapitsa_ros.nodes.{name}')
     import_module('kapitsa_ros.ros.main')
-    for message_type in {topic.type for topic in TOPICS}:
+    types = {topic.type for topic in TOPICS}
+    for message_type in types:
         load_type(message_type)
-        load_type_support(message_type)
+    load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
     load_kernels()
     gc.collect()
     gc.freeze()  # a collection in a node would copy the pages that all share

@@ -122,7 +122,6 @@ def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
         if not rclpy.ok():
             raise
         raise SettingError(no_node_text(error)) from error
-    # To find out where its first line comes from costs a logger 20 ms, which a run would have to wait for.
     for line in unknown_parameters(node):
         node.get_logger().warning(line)
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')

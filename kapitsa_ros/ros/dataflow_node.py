@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from contextlib import suppress
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -23,6 +24,7 @@ from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.node_logger import NodeLogger
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
 from kapitsa_ros.ros.peer_discovery import PeerDiscovery
@@ -47,6 +49,8 @@ LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
 HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
+REFUSAL_PERIOD = 5.0
+"""Seconds of wall time between two lines on input that was not used."""
 GRACE = 3.0
 """Seconds for which messages are waited for to be taken before it is said."""
 LEASE = 25.0
@@ -84,6 +88,7 @@ class DataflowNode(ProcessNode):
         self._stamp_ns = DAY
         """Simulated time of what was emitted last; the first run begins with its day."""
         self._health = Throttle(HEALTH_PERIOD)
+        self._refusals = Throttle(REFUSAL_PERIOD)
         self.diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._rosout = self.create_publisher(Log, '/rosout', LATCHED)
         self.reads = tuple(topic for topic in role.reads if writers_of(topic) & self.expected)
@@ -122,6 +127,14 @@ class DataflowNode(ProcessNode):
 
     # What every role has.
 
+    def get_logger(self) -> NodeLogger:
+        """Return the logger."""
+        return self._node_logger
+
+    @cached_property
+    def _node_logger(self) -> NodeLogger:
+        return NodeLogger(super().get_logger().name)  # type: ignore[no-untyped-call]
+
     def latch_settings(self, text: str) -> None:
         """Publish this node's settings for whoever records or analyses its runs, now or later."""
         settings = message_class(SETTINGS_TYPE)
@@ -159,8 +172,8 @@ class DataflowNode(ProcessNode):
     def refuse(self, why: str) -> None:
         """Count input that was not used, and say so once in a while."""
         self._refused += 1
-        text = f'refused: {shorten(why, LONGEST)} ({self._refused} so far)'
-        self.get_logger().warning(text, throttle_duration_sec=5.0)
+        if self._refusals.due():
+            self.get_logger().warning(f'refused: {shorten(why, LONGEST)} ({self._refused} so far)')
 
     def finish(self) -> None:
         """Leave once the last messages have been taken by their readers."""

@@ -6,7 +6,6 @@ from importlib import import_module
 from typing import Any
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
-from rclpy.type_support import check_for_type_support
 
 STREAM = QoSProfile(
     history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.VOLATILE
@@ -27,8 +26,3 @@ def message_class(type_name: str) -> Any:
     """Return the class of a message type such as `std_msgs/msg/Header`."""
     package, _, name = type_name.split('/')
     return getattr(import_module(f'{package}.msg'), name)
-
-
-def load_type_support(type_name: str) -> None:
-    """Load the libraries of a message type: rclpy would with the first publisher or subscription."""
-    check_for_type_support(message_class(type_name))
