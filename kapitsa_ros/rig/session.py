@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.recording.reader import RunBag
     from kapitsa_ros.rig.setup import Replay, Setup
     from kapitsa_ros.ros.time_control_client import TimeControlClient
 
@@ -46,7 +47,10 @@ LEAVING = 1.0
 def run_experiment(
     setup: Setup, on_progress: Progress, assumptions: Assumptions = DEFAULT_ASSUMPTIONS
 ) -> dict[str, Any]:
-    """Start the graph, carry out the protocol, record a bag a run, and analyse the bags.
+    """Start the graph, carry out the protocol, record a bag a run, and analyse the runs.
+
+    The analyser has done that already, from the messages that the bags hold; where it took other things for granted, or
+    a bag lacks something, the bags are analysed.
 
     Raises
     ------
@@ -62,9 +66,12 @@ def run_experiment(
     others = set(setup.bags.glob('run_*'))
     monitor = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
     # Those of the protocol, and of runs that somebody reset.
-    bags = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
+    paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
-    return analyse_bags(bags, assumptions) | made
+    bags = runs_of(paths) if assumptions == DEFAULT_ASSUMPTIONS else []
+    if bags and len(bags) == len(monitor.runs) and all(bag.complete and not bag.defects for bag in bags):
+        return _as_analysed(bags, monitor) | made
+    return analyse_bags(paths, assumptions) | made
 
 
 def replay_bags(
@@ -108,13 +115,9 @@ def replay_bags(
         raise UsageError(f'--start is {replay.part.start:g} s: the runs last {duration:g} s together')
 
     def values(monitor: SessionMonitor) -> dict[str, Any]:
-        # Those after the end of the part were not played.
-        runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=False)]
         played = [] if replay.part == PlaybackParameters() else [replay.part.start, min(replay.part.end, duration)]
         return (
-            {'runs': runs}
-            | monitor.experiment
-            | origin(bags[0].run)
+            _as_analysed(bags, monitor)
             | {'realtime_factor': float(monitor.progress['realtime_factor'])}
             | ({'played_s': played} if played else {})
         )
@@ -129,6 +132,12 @@ def replay_bags(
     told = replay_parameters(paths, replay)
     refuse_unspeakable(told)
     return values(watch(REPLAY_NAMES, told, on_progress, tell, attended, composed=replay.composed))
+
+
+def _as_analysed(bags: Sequence[RunBag], monitor: SessionMonitor) -> dict[str, Any]:
+    """Return what the analyser has made of runs; those that were not played it does not know."""
+    runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=False)]
+    return {'runs': runs} | monitor.experiment | origin(bags[0].run)
 
 
 def watch(

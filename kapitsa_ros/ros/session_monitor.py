@@ -124,7 +124,7 @@ class SessionMonitor(ListenerNode):
 
     def _take_result(self, step_id: StepId, raw: bytes) -> None:
         try:
-            results = RESULT.decode(raw)
+            results = {} if RESULT.codec.is_silence(raw) else RESULT.decode(raw)
         except WireError:
             return  # not the analyser's: it says nothing this cannot read
         with self._news:

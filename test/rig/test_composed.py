@@ -7,12 +7,15 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import kapitsa_ros as kr
+from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.nodes.__main__ import run_node
 from kapitsa_ros.recording.reader import RunBag
@@ -36,9 +39,12 @@ def test_bags_and_results_are_those_of_seven_processes(
     recorded: tuple[Path, dict[str, Any]], tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     folder, values = recorded
-    found = kr.experiment('ideal', seed=1, bags=tmp_path / 'A', composed=True)
+    assumed = {'play_probability': 0.0}  # which the analyser does not know of
+    found = kr.experiment('ideal', seed=1, bags=tmp_path / 'A', composed=True, assumptions=assumed)
     assert files(tmp_path / 'A') == files(folder)
-    assert found.values['omega_crit_interval_rpm'] == values['omega_crit_interval_rpm']
+    analysed = analyse_bags(sorted(folder.iterdir()), replace(DEFAULT_ASSUMPTIONS, **assumed))
+    assert found.values['omega_crit_interval_rpm'] == analysed['omega_crit_interval_rpm']
+    assert found.values['assumptions'] != values['assumptions']
     first = sorted(folder.iterdir())[:1]
     with caplog.at_level(logging.WARNING):
         again = replay_bags(first, Replay(composed=True), lambda _: None)
