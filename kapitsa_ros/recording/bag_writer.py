@@ -7,18 +7,23 @@ from __future__ import annotations
 
 import sqlite3
 import struct
-from typing import TYPE_CHECKING, Any
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import zstandard
 from rosbags.rosbag2 import CompressionMode, StoragePlugin, Writer
 from rosbags.rosbag2.storage_mcap import McapWriter
 from rosbags.rosbag2.storage_sqlite3 import Sqlite3Writer
 
+from kapitsa_ros.recording.metadata_yaml import MetadataYaml
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
 
     from rosbags.interfaces import Connection
+
+Method = TypeVar('Method', bound='Callable[..., Any]')
 
 _MESSAGE = struct.Struct('<BQHIQQ')
 _MESSAGE_OPCODE, _BEFORE_DATA = 5, 22
@@ -82,8 +87,19 @@ class Sqlite3Storage(Sqlite3Writer):
         self.cursor = self.conn.cursor()
 
 
+def _with_metadata_yaml(method: Method) -> Method:
+    """Return a method of rosbags as it is, but for what it takes for `YAML`."""
+    theirs: Any = method
+    own: Any = FunctionType(theirs.__code__, theirs.__globals__ | {'YAML': MetadataYaml}, theirs.__name__)
+    own.__kwdefaults__ = theirs.__kwdefaults__
+    return own  # type: ignore[no-any-return]
+
+
 class BagWriter(Writer):
     """The writer of rosbags with these storages."""
+
+    close = _with_metadata_yaml(Writer.close)
+    add_connection = _with_metadata_yaml(Writer.add_connection)
 
     STORAGE_PLUGINS: Mapping[StoragePlugin, Any] = {
         StoragePlugin.MCAP: McapStorage,
