@@ -192,8 +192,7 @@ def preload() -> None:
         load_type(message_type)
     load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
     load_kernels()
-    gc.collect()
-    gc.freeze()  # a collection in a node would copy the pages that all share
+    gc.freeze()  # a collection in a node would copy the pages that all share; one here costs a tenth of a second
 
 
 if __name__ == '__main__':
