@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.analysis.results import run_values
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
 from kapitsa_ros.network.registry import PLAYER, SESSION_MONITOR
@@ -49,8 +50,8 @@ def run_experiment(
 ) -> dict[str, Any]:
     """Start the graph, carry out the protocol, record a bag a run, and analyse the runs.
 
-    The analyser has done that already, from the messages that the bags hold; where it took other things for granted, or
-    a bag lacks something, the bags are analysed.
+    The analyser has done that already, from the messages that the bags hold; where it took other things for granted, a
+    bag lacks something, or says something else of its run, the bags are analysed.
 
     Raises
     ------
@@ -69,7 +70,8 @@ def run_experiment(
     paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
     bags = runs_of(paths) if assumptions == DEFAULT_ASSUMPTIONS else []
-    if bags and len(bags) == len(monitor.runs) and all(bag.complete and not bag.defects for bag in bags):
+    are_whole = bags and all(bag.complete and not bag.defects for bag in bags)
+    if are_whole and monitor.runs == [run_values(bag.run) for bag in bags]:
         return _as_analysed(bags, monitor) | made
     return analyse_bags(paths, assumptions) | made
 
