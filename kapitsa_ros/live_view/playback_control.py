@@ -62,6 +62,8 @@ class PlaybackControl:
         except (TimeoutError, LookupError) as error:
             self._server.warn(str(error))
             did_seek = False
+        if did_seek:  # the player says so too, once: that may be lost on its way
+            self._server.show_time(self._time_ns)
         return self._state(did_seek=did_seek, request_id=request.request_id)
 
     def show(self, time_ns: int) -> None:
