@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.event_handler import SubscriptionEventCallbacks
 
 from kapitsa_ros.network.cdr import read_step_id
-from kapitsa_ros.network.errors import WireError
+from kapitsa_ros.network.errors import SequenceError, WireError
 from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.registry import writers_of
 from kapitsa_ros.ros.errors import NodeError
@@ -95,9 +95,19 @@ class NumberedSubscription:
             return
         provenance = self._order.classify(publication, step_id)
         if provenance is Provenance.OWN:
-            self._take(step_id, raw)
+            self._take_own(step_id, raw)
             return
         others = ', '.join(self.strangers()) or 'a node that has left'
         if provenance is Provenance.CONTESTED:
             raise NodeError(f'{name} has a second writer, {others}: which {step_id} is the right one cannot be told')
         self._refuse(f'{name}: {step_id} comes from a second writer, {others}')
+
+    def _take_own(self, step_id: StepId, raw: bytes) -> None:
+        """Take what is the writer's, as far as can be told; a second writer may have hit upon its next publication."""
+        try:
+            self._take(step_id, raw)
+        except SequenceError as error:
+            others = ', '.join(self.strangers())
+            if not others:
+                raise
+            raise NodeError(f'{error}; it has a second writer, {others}') from error
