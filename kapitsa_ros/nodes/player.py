@@ -150,7 +150,11 @@ class PlayerNode(DataflowNode):
         if not step.id.end:
             with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
                 pivot, motion = step.messages[PIVOT.name], step.messages[MOTION.name]
-                self._joint_states.offer(step.stamp_ns, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
+                self._joint_states.offer(
+                    step.stamp_ns,
+                    lambda: (PIVOT.decode(pivot), MOTION.decode(motion)),
+                    is_last=self._time.stands_still,
+                )
         self._tell(step)
 
     def _tell(self, step: PlayedStep) -> None:

@@ -30,10 +30,15 @@ class JointStatePublisher:
         self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
         self._schedule = FrameSchedule()
 
-    def offer(self, stamp_ns: int, blocks: Callable[[], tuple[SampledMotion, SampledMotion]]) -> None:
-        """Take the motion of pivot and pendulum over a step, if a viewer could use it by now."""
+    def offer(
+        self, stamp_ns: int, blocks: Callable[[], tuple[SampledMotion, SampledMotion]], *, is_last: bool = False
+    ) -> None:
+        """Take the motion of pivot and pendulum over a step, if a viewer could use it by now.
+
+        The last before time stands still is always taken: it is what viewers will see until time goes on.
+        """
         now = time.monotonic()
-        if self._schedule.wants(now):
+        if is_last or self._schedule.wants(now):
             self._schedule.take(now, stamp_ns, *blocks())
 
     def refresh(self) -> float:

@@ -2,6 +2,8 @@
 
 import itertools
 import math
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.ros.frame import Frame
 from kapitsa_ros.ros.frame_schedule import FrameSchedule, frame_count
+from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
 
 STEP, STEP_NS, SAMPLE_NS = 0.1, 100_000_000, 1_000_000
 
@@ -101,3 +104,15 @@ def test_before_a_pause_the_end_of_the_last_step_is_shown() -> None:
 
 def test_at_full_speed_blocks_are_left_out() -> None:
     assert len(shown([0.0005] * 1000)) <= 51
+
+
+def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes() -> None:
+    states: list[Any] = []
+    publisher = JointStatePublisher(SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=states.append)))
+    motion = SampledMotion(1e-3, *np.zeros((3, 101)))
+    ends = [DAY + number * STEP_NS for number in (1, 2, 3)]
+    for number, is_last in enumerate((False, False, True)):
+        publisher.offer(DAY + number * STEP_NS, lambda: (motion, motion), is_last=is_last)
+        publisher.refresh()
+    stamps = [state.header.stamp.sec * 10**9 + state.header.stamp.nanosec for state in states]
+    assert (stamps[0], stamps[-1]) == (ends[0], ends[2])
