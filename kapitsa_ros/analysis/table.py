@@ -104,6 +104,6 @@ def require_two_speeds(readings: Readings) -> None:
 
     """
     if readings.forcing.size < 2:
-        raise TableError('{count} row(s): time the swing at two speeds or more', count=readings.forcing.size)
+        raise TableError('too few rows ({count}): time the swing at two speeds or more', count=readings.forcing.size)
     if np.ptp(readings.forcing) <= 1e-9 * readings.forcing.max():
         raise TableError('all speeds are equal: time the swing at another speed too')

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from rcl_interfaces.msg import SetParametersResult
 
 from kapitsa_ros.configuration.playback_parameters import LONGEST, PlaybackParameters
-from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import MOTION, PIVOT, PLAYER, REPLAYED
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY, SECOND
@@ -148,13 +147,9 @@ class PlayerNode(DataflowNode):
             self._time.count(step.stamp_ns / SECOND)
         self._clock_publisher.publish(step.stamp_ns, is_last=self._time.stands_still)
         if not step.id.end:
-            with suppress(KeyError, WireError):  # a bag that viewers cannot use may still be analysed
+            with suppress(KeyError):  # a bag that viewers cannot use may still be analysed
                 pivot, motion = step.messages[PIVOT.name], step.messages[MOTION.name]
-                self._joint_states.offer(
-                    step.stamp_ns,
-                    lambda: (PIVOT.decode(pivot), MOTION.decode(motion)),
-                    is_last=self._time.stands_still,
-                )
+                self._joint_states.offer(step.stamp_ns, lambda: (PIVOT.decode(pivot), MOTION.decode(motion)))
         self._tell(step)
 
     def _tell(self, step: PlayedStep) -> None:

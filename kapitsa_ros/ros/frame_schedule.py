@@ -55,6 +55,10 @@ class FrameSchedule:
         """Whether a viewer could use another block by now."""
         return now - self._since >= PERIOD
 
+    def wait_for_block(self, now: float) -> float:
+        """Return the seconds until a viewer can use another block."""
+        return max(self._since + PERIOD - now, 0.0)
+
     def take(self, now: float, stamp_ns: int, pivot: SampledMotion, motion: SampledMotion) -> None:
         """Cut a block that begins at a stamp into frames."""
         gap = now - self._since

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header
 
+from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.ros.clock_publisher import to_time
 from kapitsa_ros.ros.frame_schedule import FrameSchedule
 from kapitsa_ros.ros.qos import VIEW
@@ -29,21 +31,18 @@ class JointStatePublisher:
     def __init__(self, node: Node) -> None:
         self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
         self._schedule = FrameSchedule()
+        self._newest: tuple[int, Callable[[], tuple[SampledMotion, SampledMotion]]] | None = None
+        """A step that came too soon after the one before: should time stand still now, viewers have to see it."""
 
-    def offer(
-        self, stamp_ns: int, blocks: Callable[[], tuple[SampledMotion, SampledMotion]], *, is_last: bool = False
-    ) -> None:
-        """Take the motion of pivot and pendulum over a step, if a viewer could use it by now.
-
-        The last before time stands still is always taken: it is what viewers will see until time goes on.
-        """
-        now = time.monotonic()
-        if is_last or self._schedule.wants(now):
-            self._schedule.take(now, stamp_ns, *blocks())
+    def offer(self, stamp_ns: int, blocks: Callable[[], tuple[SampledMotion, SampledMotion]]) -> None:
+        """Take the motion of pivot and pendulum over a step, once a viewer can use it, unless a newer one has come."""
+        self._newest = stamp_ns, blocks
+        self._take(time.monotonic())
 
     def refresh(self) -> float:
         """Publish what is due; return the seconds until the next call."""
         now = time.monotonic()
+        self._take(now)
         frame = self._schedule.due(now)
         if frame is not None:
             self._publisher.publish(
@@ -54,8 +53,19 @@ class JointStatePublisher:
                     velocity=frame.velocity,
                 )
             )
-        return self._schedule.wait(now)
+        return self._wait(now)
 
     def wait(self) -> float:
         """Return the seconds until the next frame is due."""
-        return self._schedule.wait(time.monotonic())
+        return self._wait(time.monotonic())
+
+    def _take(self, now: float) -> None:
+        if self._newest is not None and self._schedule.wants(now):
+            stamp_ns, blocks = self._newest
+            self._newest = None
+            with suppress(WireError):  # of a bag, which may still be analysed
+                self._schedule.take(now, stamp_ns, *blocks())
+
+    def _wait(self, now: float) -> float:
+        wait = self._schedule.wait(now)
+        return wait if self._newest is None else min(wait, self._schedule.wait_for_block(now))

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -111,8 +112,10 @@ def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes()
     publisher = JointStatePublisher(SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=states.append)))
     motion = SampledMotion(1e-3, *np.zeros((3, 101)))
     ends = [DAY + number * STEP_NS for number in (1, 2, 3)]
-    for number, is_last in enumerate((False, False, True)):
-        publisher.offer(DAY + number * STEP_NS, lambda: (motion, motion), is_last=is_last)
+    for number in range(3):
+        publisher.offer(DAY + number * STEP_NS, lambda: (motion, motion))
         publisher.refresh()
+    while math.isfinite(wait := publisher.refresh()):
+        time.sleep(wait)
     stamps = [state.header.stamp.sec * 10**9 + state.header.stamp.nanosec for state in states]
     assert (stamps[0], stamps[-1]) == (ends[0], ends[2])
