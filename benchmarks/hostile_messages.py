@@ -1,9 +1,10 @@
 """What becomes of a rig under thirty kinds of hostile messages on each topic that nodes read of one another.
 
-Prints, for each topic and rate, how many kinds were ignored (the bags are those of an undisturbed rig, byte for byte)
-and how many ended the experiment with one line; then the lines. Status 1 if a result was changed, a traceback shown, or
-a rig ended without a word. With --catch-up each message carries the publication number that the topic's own writer has
-next, as only a node that counts along can do; otherwise the stranger's publications are numbered as they come.
+Prints, for each topic and rate, how many kinds were ignored (the bags are those of an undisturbed rig, byte for byte,
+and the result printed is theirs) and how many ended the experiment with one line; then the lines. Status 1 if a result
+was changed, a traceback shown, or a rig ended without a word. With --catch-up each message carries the publication
+number that the topic's own writer has next, as only a node that counts along can do; otherwise the stranger's
+publications are numbered as they come.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from rclpy.node import Node
 from rclpy.serialization import deserialize_message, serialize_message
 from std_msgs.msg import String
 
+from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import COMMAND, PIVOT, TOPICS
 from kapitsa_ros.network.step_id import StepId
@@ -248,7 +250,7 @@ def experiment(folder: Path, rate: float, domain: int | None = None) -> subproce
 
 def outcome(process: subprocess.Popen[str], folder: Path, undisturbed: Path) -> tuple[str, str]:
     """Return how an experiment ended, and what it said."""
-    said = process.communicate(timeout=240.0)[1]
+    result, said = process.communicate(timeout=240.0)
     lines = [line for line in said.splitlines() if line.startswith('kapitsa: ')]
     last = lines[-1] if lines else ''
     if 'Traceback' in said:
@@ -262,6 +264,8 @@ def outcome(process: subprocess.Popen[str], folder: Path, undisturbed: Path) -> 
         for file in undisturbed.rglob('*')
         if file.is_file()
     )
+    of_bags, printed = analyse_bags(sorted(undisturbed.glob('run_*'))), json.loads(result)
+    same = same and all(printed[name] == of_bags[name] for name in ('omega_crit_rpm', 'omega_crit_interval_rpm'))
     return ('ignored' if same else 'changed'), last
 
 
