@@ -1,5 +1,7 @@
 import base64
 import re
+import zlib
+from contextlib import suppress
 from dataclasses import replace
 from html.parser import HTMLParser
 
@@ -155,12 +157,31 @@ def test_all_formats_say_the_same(of_one_bag, page, tmp_path):
     assert all('<text' in drawing for drawing in drawn)  # it can be selected
 
 
-def test_pdf_has_pages_of_a4(of_one_bag, tmp_path):
-    WRITERS['pdf'](report_document(of_one_bag), tmp_path / 'report.pdf')
-    written = (tmp_path / 'report.pdf').read_bytes()
-    assert written.startswith(b'%PDF-')
-    assert b'/MediaBox [0 0 595.28 841.89]' in written
-    assert int(re.search(rb'/Count (\d+)', written)[1]) >= 5
+@pytest.fixture(scope='module')
+def pdf(of_one_bag, tmp_path_factory):
+    path = tmp_path_factory.mktemp('report') / 'report.pdf'
+    WRITERS['pdf'](report_document(of_one_bag), path)
+    return path.read_bytes()
+
+
+def test_pdf_has_pages_of_a4(pdf):
+    assert pdf.startswith(b'%PDF-')
+    assert b'/MediaBox [0 0 595.28 841.89]' in pdf
+    assert int(re.search(rb'/Count (\d+)', pdf)[1]) >= 5
+
+
+def test_history_and_spectrum_of_a_swing_stand_side_by_side_in_pdf(pdf, of_one_bag):
+    titles = [drawing.title for drawing in drawings_of(of_one_bag)]
+    heights = {}
+    for stream in re.findall(rb'stream\n(.*?)\nendstream', pdf, re.DOTALL):
+        with suppress(zlib.error):  # a font or a picture
+            for height, number in re.findall(rb' ([-\d.]+) cm /I(\d+) Do', zlib.decompress(stream)):
+                heights[titles[int(number) - 1]] = height
+    assert set(heights) == set(titles)
+    swings = [title.removeprefix('Figure 4: time history') for title in titles if title.startswith('Figure 4')]
+    assert swings
+    for swing in swings:
+        assert heights[f'Figure 4: time history{swing}'] == heights[f'Figure 5: spectrum{swing}']
 
 
 def test_every_parameter_of_the_plant_and_every_run_is_in_it(page, runs):

@@ -6,6 +6,7 @@ import base64
 import html
 import io
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +18,7 @@ from kapitsa_ros.reporting.figures.canvas import house_style
 from kapitsa_ros.resources import resource_path
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from fpdf import FPDF
     from fpdf.fonts import FontFace
@@ -28,7 +29,7 @@ _WIDTH, _HEIGHT = 4.8, 3.5  # in, of a panel: its letters are as large as the te
 _FIGURE = re.compile(r'<p><img src="([^"]*)" alt="([^"]*)" ?/?></p>')
 _FIGURES = re.compile(r'(?:<figure.*?</figure>\s*)+', re.DOTALL)
 _CAPTIONED = re.compile(r'<p><strong>([^<]*)</strong></p>\s*<table>')
-_BESIDE = 2  # figures in a row on A4
+_COLUMNS = 2  # of figures on A4
 _GAP = 4.0  # mm between them
 _CAPTION = 14.0  # mm
 _BEFORE_TEXT, _BEFORE_FIGURES = 45.0, 110.0  # mm that a heading needs for itself and what follows it
@@ -71,7 +72,7 @@ def write_pdf(document: Document, path: Path) -> None:
     from fpdf import FPDF  # noqa: PLC0415  # takes a third of a second
     from fpdf.fonts import FontFace, TextStyle  # noqa: PLC0415
 
-    pictures = {drawing.name: _png(drawing) for drawing in document.drawings}
+    drawings = {drawing.name: drawing for drawing in document.drawings}
     pdf = FPDF(format='A4')
     pdf.set_title(document.title)
     fonts = Path(mpl.get_data_path()) / 'fonts' / 'ttf'
@@ -86,18 +87,17 @@ def write_pdf(document: Document, path: Path) -> None:
         'blockquote': TextStyle(color='#004b75', l_margin=5),
         'li': TextStyle(l_margin=5),
     }
-    waiting: list[tuple[io.BytesIO, float, str]] = []
+    waiting: list[_Picture] = []
     for block in _blocks(_to_html(document.text)):
         if shown := _FIGURE.fullmatch(block):
-            waiting.append((*pictures[shown[1]], html.unescape(shown[2])))
-            if len(waiting) < _BESIDE:
-                continue
-        if waiting:
-            _add_figures(pdf, waiting)
-            waiting = []
+            waiting.append(_picture(drawings[shown[1]], html.unescape(shown[2])))
+            continue
+        for row in _rows(waiting):
+            _add_figures(pdf, row)
+        waiting = []
         if block.startswith('<table>'):
             _add_table(pdf, block, heading)
-        elif not shown:
+        else:
             needed = _BEFORE_FIGURES if block.endswith('</h2>') else _BEFORE_TEXT
             if block.startswith(('<h2>', '<p><strong>')) and pdf.will_page_break(needed):
                 pdf.add_page()  # a heading stays with what it is of
@@ -129,21 +129,34 @@ def _blocks(body: str) -> list[str]:
     return [part.strip() for part in parts if part and part.strip()]
 
 
-def _add_figures(pdf: FPDF, figures: list[tuple[io.BytesIO, float, str]]) -> None:
-    """Add figures side by side, each a picture, its height over its width and a caption, which stands below."""
-    width = (pdf.epw - _GAP * (_BESIDE - 1)) / _BESIDE
-    if pdf.will_page_break(width * max(ratio for _, ratio, _ in figures) + _CAPTION):
+def _rows(pictures: list[_Picture]) -> Iterator[list[list[_Picture]]]:
+    """Give rows of columns: a figure and the next one, or a tall one beside that before it and that after it."""
+    rest = iter(pictures)
+    for left in rest:
+        right = next(rest, None)
+        below = next(rest, None) if right is not None and right.is_tall and not left.is_tall else None
+        yield [[each for each in column if each is not None] for column in ((left, below), (right,))]
+
+
+def _add_figures(pdf: FPDF, columns: list[list[_Picture]]) -> None:
+    """Add columns of figures side by side, each figure with its caption below."""
+    width = (pdf.epw - _GAP * (_COLUMNS - 1)) / _COLUMNS
+    if pdf.will_page_break(max(sum(width * each.ratio + _CAPTION for each in column) for column in columns)):
         pdf.add_page()
     top = lowest = pdf.get_y()
     pdf.set_font('DejaVu', 'I', 7)
-    for column, (picture, ratio, caption) in enumerate(figures):
-        left = pdf.l_margin + column * (width + _GAP)
-        pdf.image(picture, x=left, y=top, w=width)
-        pdf.set_xy(left, top + width * ratio)
-        pdf.multi_cell(width, h=3.5, text=caption, align='L', new_x='LMARGIN', new_y='NEXT')
+    for number, column in enumerate(columns):
+        left = pdf.l_margin + number * (width + _GAP)
+        pdf.set_y(top)
+        for each in column:
+            above = pdf.get_y()
+            pdf.image(each.file, x=left, y=above, w=width)
+            pdf.set_xy(left, above + width * each.ratio)
+            pdf.multi_cell(width, h=3.5, text=each.caption, align='L', new_x='LMARGIN', new_y='NEXT')
+            pdf.set_y(pdf.get_y() + 3.0)
         lowest = max(lowest, pdf.get_y())
     pdf.set_font('DejaVu', '', 9)
-    pdf.set_xy(pdf.l_margin, lowest + 3.0)
+    pdf.set_xy(pdf.l_margin, lowest)
 
 
 def _add_table(pdf: FPDF, block: str, heading: FontFace) -> None:
@@ -186,13 +199,22 @@ def _svg(drawing: Drawing) -> str:
     return drawn[drawn.index('<svg') :].replace('<svg ', f'<svg role="img" aria-label="{label}" ', 1)
 
 
-def _png(drawing: Drawing) -> tuple[io.BytesIO, float]:
-    """Return a picture of the figure, and its height over its width."""
+@dataclass(frozen=True)
+class _Picture:
+    file: io.BytesIO
+    ratio: float
+    """Height over width."""
+    caption: str
+    is_tall: bool
+
+
+def _picture(drawing: Drawing, caption: str) -> _Picture:
     figure = drawing.figure
-    figure.set_size_inches(1.3 * _WIDTH, 1.3 * _HEIGHT * len(figure.axes) * (0.8 if len(figure.axes) > 1 else 1.0))
+    is_tall = len(figure.axes) > 1
+    figure.set_size_inches(1.3 * _WIDTH, 1.3 * _HEIGHT * len(figure.axes) * (0.8 if is_tall else 1.0))
     file = io.BytesIO()
     with house_style():
         figure.savefig(file, format='png', dpi=_DOTS)
     file.seek(0)
     width, height = figure.get_size_inches()
-    return file, float(height / width)
+    return _Picture(file, float(height / width), caption, is_tall)
