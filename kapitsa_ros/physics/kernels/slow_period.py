@@ -42,11 +42,12 @@ def small_swing(k: float, reach: float, damping: float, speed: float, gravity: f
 
 @kernel
 def small_swings(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
-    """Fill in Ω of M rods, rad/s, at N speeds each; `speed` and `slow` have the shape (M, N)."""
+    """Fill in Ω of M rods, rad/s, at N speeds each; `slow` has the shape (M, N), `speed` that or (1, N)."""
     for rod in range(slow.shape[0]):
+        row = min(rod, speed.shape[0] - 1)
         for run in range(slow.shape[1]):
             reach = k[rod] * amplitude[rod]
-            slow[rod, run] = small_swing(k[rod], reach, damping[rod], speed[rod, run], gravity)
+            slow[rod, run] = small_swing(k[rod], reach, damping[rod], speed[row, run], gravity)
 
 
 @kernel
@@ -89,7 +90,7 @@ def slow_periods(
     k, amplitude, damping, coulomb
         m·l_c/I, 1/m; λ, m; c, 1/s; f, rad/s²: shape (M,).
     speed
-        ω, rad/s, shape (M, N).
+        ω, rad/s, shape (M, N), or (1, N) where it is the same for all rods.
     release, swings
         |θ| at the release, rad, and full swings that are timed, shape (N,).
     gravity
@@ -104,8 +105,9 @@ def slow_periods(
         reach = k[rod] * amplitude[rod]
         weight = k[rod] * gravity
         still = 1.0 - min(reach, 0.9)
+        row = min(rod, speed.shape[0] - 1)
         for run in range(period.shape[1]):
-            forcing = speed[rod, run]
+            forcing = speed[row, run]
             slow = small_swing(k[rod], reach, damping[rod], forcing, gravity)
             loss = coulomb[rod] * friction_factor(slow / (reach * forcing), factors, spacing) / slow**2
             start = release[run] / still  # let go at the bottom of the stroke (report, eq. 12)
