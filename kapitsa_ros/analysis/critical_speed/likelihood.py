@@ -110,6 +110,8 @@ class Likelihood:
         A wide release falls from above the threshold too, out of the effective well, whose barrier lies where
         cos θ₁ = (ω_crit/ω)².
         """
+        if not (self.evidence.fell or self.evidence.stood):
+            return np.zeros((threshold.size, 0))
         exact = self.exact_threshold(threshold, amplitude, damping)
         still = np.maximum(1.0 - self.model.k(threshold, amplitude) * amplitude, 0.1)  # report, eq. 12
         columns = []
@@ -120,7 +122,7 @@ class Likelihood:
         columns.extend(
             log_ndtr((stand.speed - exact) / max(stand.sigma, FLOOR * stand.speed)) for stand in self.evidence.stood
         )
-        return np.stack(columns, axis=-1) if columns else np.zeros((exact.size, 0))
+        return np.stack(columns, axis=-1)
 
     def stops(self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array) -> Array:
         """Return ln L of where swings stopped, and of that those that were timed did not, shape (M,).
@@ -140,8 +142,6 @@ class Likelihood:
         """Return those of the periods and of the falls and stands, whose squares add up to −2 ln L, shape (M, R)."""
         period, doubt = self.model.periods(threshold, amplitude, damping, coulomb)
         timed = (self.evidence.timed.period - period) / self.sigma(threshold, amplitude, doubt)
-        if not (self.evidence.fell or self.evidence.stood):
-            return np.asarray(timed)
         return np.concatenate((timed, np.sqrt(-2.0 * self.bounds(threshold, amplitude, damping))), axis=1)
 
 
