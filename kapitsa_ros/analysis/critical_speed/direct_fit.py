@@ -190,17 +190,19 @@ class CurveFit:
 
         Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
         """
-        can_be = self._likelihood.can_be(sets[:, 0], sets[:, 1])
-        if not can_be.all():
-            sets = np.where(can_be[:, None], sets, self._first_guess())
         threshold, amplitude, damping = np.ascontiguousarray(sets.T)
+        can_be = self._likelihood.can_be(threshold, amplitude)
+        all_can_be = bool(can_be.all())
+        if not all_can_be:
+            sets = np.where(can_be[:, None], sets, self._first_guess())
+            threshold, amplitude, damping = np.ascontiguousarray(sets.T)
         coulomb = np.full(damping.size, self._coulomb)
         of_readings = self._likelihood.residuals(threshold, amplitude, np.abs(damping), coulomb)
         found = np.empty((damping.size, of_readings.shape[1] + 2))
         found[:, :-2] = of_readings
         found[:, -2] = (amplitude - self._ruler.amplitude) / self.amplitude_sigma
         found[:, -1] = damping / self._assumptions.light_damping
-        return found if can_be.all() else np.where(can_be[:, None], found, _NO_ROD)
+        return found if all_can_be else np.where(can_be[:, None], found, _NO_ROD)
 
     def _minimum(self, start: NDArray[np.float64]) -> Minimum:
         """Minimise the sum of squares; the last parameter, the damping, may be 0 and not less.

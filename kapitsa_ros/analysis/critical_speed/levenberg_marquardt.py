@@ -81,8 +81,9 @@ class _Linear:
         if place != self._place:
             step = np.where(parameters >= 0.0, _STEP, -_STEP) * np.maximum(1.0, np.abs(parameters))
             ahead = parameters + step
-            sets = np.tile(parameters, (parameters.size + 1, 1))
-            np.fill_diagonal(sets[1:], ahead)
+            sets = np.empty((parameters.size + 1, parameters.size))
+            sets[:] = parameters
+            sets.flat[parameters.size :: parameters.size + 1] = ahead  # a row each with one parameter ahead
             found = self._residuals(sets)
             self._here = found[0], (found[1:] - found[0]).T / (ahead - parameters)
             self._place = place

@@ -98,10 +98,15 @@ def _log_likelihoods(
     relative = np.sqrt(
         (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + _COARSE**2
     )
-    misfit = (np.nan_to_num(period, nan=np.inf)[:, None, :] / expected - 1.0) / relative
-    density = -0.5 * misfit**2 - np.log(relative * expected)
     prior = _log_priors(assumptions)[:, None] - np.log(true_swings, where=possible, out=np.zeros_like(period))
-    return density + prior[:, None, :], likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
+    density = np.nan_to_num(period, nan=np.inf)[:, None, :] / expected  # in place from here on: it is a large array
+    density -= 1.0
+    density /= relative
+    density *= density
+    density *= -0.5
+    density -= np.log(relative * expected)
+    density += prior[:, None, :]
+    return density, likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
 
 
 def _log_priors(assumptions: Assumptions) -> Array:

@@ -279,14 +279,17 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
     bend = ((above - 2.0 * period + below) / (2.0 * step[:, None] ** 2))[:, None, :]
     threshold = np.maximum(best[:, None] + _WIDER * error[:, None] * offsets, 1e-3 * top)
     away = (threshold - best[:, None])[:, :, None]
-    misfit = (timed.period - period[:, None, :] - slope * away - bend * away**2) / likelihood.sigma(
-        best, rods.amplitude, doubt
-    )[:, None, :]
-    log_likelihood = -0.5 * np.sum(misfit**2, axis=2) + 0.5 * offsets**2 + np.log(error)[:, None]
-    log_likelihood -= np.sum(np.log(likelihood.sigma(best, rods.amplitude, doubt)), axis=1)[:, None]
+    sigma = likelihood.sigma(best, rods.amplitude, doubt)
+    misfit = timed.period - period[:, None, :] - slope * away - bend * away**2
+    misfit /= sigma[:, None, :]
+    misfit *= misfit
+    log_likelihood = -0.5 * np.sum(misfit, axis=2) + 0.5 * offsets**2 + np.log(error)[:, None]
+    log_likelihood -= np.sum(np.log(sigma), axis=1)[:, None]
     log_likelihood += likelihood.stops(best, *others)[:, None]
-    bounds = likelihood.bounds(threshold.ravel(), np.repeat(rods.amplitude, _AROUND), np.repeat(rods.damping, _AROUND))
-    return threshold, log_likelihood + bounds.sum(axis=1).reshape(threshold.shape)
+    if likelihood.evidence.fell or likelihood.evidence.stood:
+        each = (threshold.ravel(), np.repeat(rods.amplitude, _AROUND), np.repeat(rods.damping, _AROUND))
+        log_likelihood += likelihood.bounds(*each).sum(axis=1).reshape(threshold.shape)
+    return threshold, log_likelihood
 
 
 def log_sum(logarithms: Array, axis: int | None = None) -> Array:
