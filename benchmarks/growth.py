@@ -36,6 +36,8 @@ def main() -> None:
     few, many = ([campaign(count) for _ in range(REPEATS)] for count in (100, 1000))
     seconds = statistics.median(s for s, _ in many) / statistics.median(s for s, _ in few) / 10
     tell('time of an experiment, campaign of 1000 over 100', '<= 1.1', seconds)
+    each = statistics.median(s for s, _ in many) / 1000
+    print(json.dumps({'work': 'an experiment of a campaign of 1000, CPU time', 'target': '<= 30 ms', 'ours_s': each}))
     grown = statistics.median(size for _, size in many) - statistics.median(size for _, size in few)
     print(json.dumps({'work': 'memory of a campaign of 1000 over one of 100', 'target': '<= 1 MB', 'megabytes': grown}))
 

@@ -74,11 +74,15 @@ class Quantity:
             raise error(f'{self.name} is {value!r}: {self._wanted}') from cause
         if not finite:
             raise error(f'{self.name} is {value}: {self._wanted}')
-        if not (self.low < number if self.above else self.low <= number) or number > self.high:
+        if not self.holds(number):
             given = f'{value} ({self._with_unit(f"{number:.6g}")})' if isinstance(value, str) else number
             must = self.range if self.above else f'lie {self.range}'
             raise error(f'{self.name} is {given}: it must {"be " if self.above else ""}{self._with_unit(must)}')
         return number
+
+    def holds(self, number: Any) -> Any:
+        """Tell whether a number lies in the range; of an array, each."""
+        return ((self.low < number) if self.above else (self.low <= number)) & (number <= self.high)
 
     @property
     def _wanted(self) -> str:
@@ -179,8 +183,10 @@ class ParameterSet:
     def __post_init__(self) -> None:
         kind: Any = type(self)
         for item in describe(kind):
-            # The dataclasses are frozen.
-            object.__setattr__(self, item.name, item.check(getattr(self, item.name), self.error))
+            value = getattr(self, item.name)
+            if type(value) is not item.kind or not item.holds(value):  # else it is a plain number that can be used
+                # The dataclasses are frozen.
+                object.__setattr__(self, item.name, item.check(value, self.error))
 
     @classmethod
     def of(cls, values: Mapping[str, Any]) -> Self:

@@ -5,15 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.instruments.strobe_images import faintest, standing_images
+from kapitsa_ros.instruments.strobe_images import faintest, number_of_images
 
 if TYPE_CHECKING:
     import numpy as np
 
     from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 
+_LOWEST = 0.5  # flash rate over shaft speed
 _SWEEPS = 10  # a person who has found nothing by then gives up
 
 
@@ -41,6 +43,13 @@ def standing_ratios(low: float, high: float, phases: int) -> list[Fraction]:
     return sorted(ratio for ratio in found if low < ratio <= high)
 
 
+@lru_cache(maxsize=64)
+def _ratios_by_value(high: float, phases: int) -> tuple[tuple[float, Fraction], ...]:
+    """Return the ratios above 1/2, the lowest flash rate anybody begins at, each with its value."""
+    ratios = standing_ratios(_LOWEST, high, phases) if high > _LOWEST else []
+    return tuple((float(ratio), ratio) for ratio in ratios)
+
+
 def raise_until_doubled(shaft_speed: float, settings: StrobeSettings, rng: np.random.Generator) -> SearchResult | None:
     """Turn the dial up from a guess of the shaft's speed until the marks stand still and look doubled.
 
@@ -66,12 +75,14 @@ def raise_until_doubled(shaft_speed: float, settings: StrobeSettings, rng: np.ra
     end = settings.dial_end / shaft_speed
     seconds = 0.0
     for _ in range(_SWEEPS):
-        start = max(0.5, 1.0 + settings.guess_error * rng.standard_normal())
-        for ratio in standing_ratios(start, end, faintest(settings)) if end > start else []:
+        start = max(_LOWEST, 1.0 + settings.guess_error * rng.standard_normal())
+        for value, ratio in _ratios_by_value(end, faintest(settings)):
+            if value <= start:
+                continue
             seconds += settings.look_time
             residue = settings.drift_limit * rng.uniform(-1.0, 1.0)
             if _looks_doubled(ratio, 2.0 * math.pi * rng.random(), residue, settings):
-                seconds += settings.sweep_time * (float(ratio) - start)
+                seconds += settings.sweep_time * (value - start)
                 return SearchResult(ratio=ratio, residue=residue, seconds=seconds)
         seconds += settings.sweep_time * max(end - start, 0.0)
     return None
@@ -80,8 +91,7 @@ def raise_until_doubled(shaft_speed: float, settings: StrobeSettings, rng: np.ra
 def _looks_doubled(ratio: Fraction, phase: float, residue: float, settings: StrobeSettings) -> bool:
     """Tell whether there are two images from the beginning of the look to its end, while their phase creeps."""
     later = phase - residue * settings.look_time
-    pictures = (standing_images(ratio.numerator, at, settings.mark_width)[0] for at in (phase, later))
-    return all(heights.size == 2 for heights in pictures)
+    return all(number_of_images(ratio.numerator, at, settings.mark_width) == 2 for at in (phase, later))
 
 
 def read_dial(flash_rate: float, settings: StrobeSettings) -> float:

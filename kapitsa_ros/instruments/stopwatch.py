@@ -6,18 +6,17 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-import numpy as np
-
 from kapitsa_ros.instruments.errors import InstrumentError
-from kapitsa_ros.instruments.persistence_filter import PersistenceFilter
 from kapitsa_ros.instruments.press_errors import PressErrors, display, draw_press_errors
+from kapitsa_ros.instruments.swing_observer import SwingObserver
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
+    from kapitsa_ros.instruments.swing_observer import SwingSight
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
-_STILL = 1e-6  # rad; a pendulum in somebody's hand, stuck, or at its stop moves less than this
-_LYING = 1.0  # rad; what is still beyond this has fallen over
 _FIRST_WAIT = 10.0  # s; a swing not known yet is waited for this long
 _WAIT = 8  # half swings without a passage, and the swing has died
 
@@ -63,10 +62,7 @@ class Stopwatch:
         self._settings = settings
         self._swings = swings
         self._rng = rng
-        self._end = math.nan
-        self._period = math.nan
-        self._angle = math.nan
-        self._held = False
+        self._eye = SwingObserver(settings.persistence)
         self._timing: _Timing | None = None
 
     def observe(self, start: float, motion: SampledMotion) -> StopwatchReading | None:
@@ -85,19 +81,16 @@ class Stopwatch:
             The reading that was finished in this step.
 
         """
-        joined = abs(start - self._end) <= motion.period and math.isclose(motion.period, self._period, rel_tol=1e-9)
-        still = bool(np.ptp(motion.position) <= _STILL)
-        if not joined or abs(motion.position[0] - self._angle) > _STILL:  # a hand has moved it
+        return self.time(self._eye.observe(start, motion))
+
+    def time(self, sight: SwingSight) -> StopwatchReading | None:
+        """Do what `observe` does, by what an eye sees of the pendulum in one communication step."""
+        if sight.taken:
             self._timing = None
-            self._held = still
-        elif self._held and not still:
-            self._held = False
+        elif sight.let_go:
             thumb = draw_press_errors(self._settings, self._rng)
-            self._timing = _Timing(self._settings, self._swings, thumb, start, motion)
-        self._end = start + motion.duration
-        self._period = motion.period
-        self._angle = float(motion.position[-1])
-        reading = self._timing.follow(start, motion, still=still) if self._timing else None
+            self._timing = _Timing(self._settings, self._swings, thumb, sight.start)
+        reading = self._timing.follow(sight) if self._timing else None
         if reading is not None:
             self._timing = None
         return reading
@@ -106,39 +99,26 @@ class Stopwatch:
 class _Timing:
     """One release, from the moment it is let go."""
 
-    def __init__(
-        self, settings: StopwatchSettings, swings: int, thumb: PressErrors, start: float, motion: SampledMotion
-    ) -> None:
+    def __init__(self, settings: StopwatchSettings, swings: int, thumb: PressErrors, start: float) -> None:
         self._settings = settings
         self._swings = swings
         self._thumb = thumb
         self._last_passage = 2 + 2 * max(swings + thumb.miscount, 1)
-        angle = float(motion.position[0])
-        self._eye = PersistenceFilter(settings.persistence, motion.period, angle)
-        self._seen = angle
-        self._seen_at = start - self._eye.latency
         self._passages = 0
         self._passed_at = start
         self._wait = _FIRST_WAIT
         self._pressed = math.nan
         self._ending = math.inf
 
-    def follow(self, start: float, motion: SampledMotion, *, still: bool) -> StopwatchReading | None:
-        """Follow the swing for one block and tell what the release came to, once that is known."""
-        blurred = np.concatenate(((self._seen,), self._eye.see(motion.position[1:])))
-        upright = np.signbit(blurred)
-        for index in np.flatnonzero(upright[1:] != upright[:-1]).tolist():
-            before, after = float(blurred[index]), float(blurred[index + 1])
-            left = self._seen_at if index == 0 else start + index * motion.period - self._eye.latency
-            right = start + (index + 1) * motion.period - self._eye.latency
-            self._pass(left + (right - left) * before / (before - after))
-        end = start + motion.duration
-        self._seen, self._seen_at = float(blurred[-1]), end - self._eye.latency
+    def follow(self, sight: SwingSight) -> StopwatchReading | None:
+        """Follow the swing for one step and tell what the release came to, once that is known."""
+        for passage in sight.passages:
+            self._pass(passage)
         if math.isfinite(self._ending):
-            return self._timed() if self._ending <= end else None
-        if still and abs(float(motion.position[-1])) > _LYING:
-            return self._lost(end, 'fell')
-        return self._lost(end, 'stopped') if end - self._passed_at > self._wait else None
+            return self._timed() if self._ending <= sight.end else None
+        if sight.lying:
+            return self._lost(sight.end, 'fell')
+        return self._lost(sight.end, 'stopped') if sight.end - self._passed_at > self._wait else None
 
     def _timed(self) -> StopwatchReading:
         shown = display(self._ending - self._pressed, self._settings)

@@ -61,11 +61,23 @@ class Strobe:
 
         """
         self._shaft.follow(start, pivot)
-        since, speed = self._shaft.steady_since, self._shaft.speed
+        return self.search(start + pivot.duration, self._shaft.steady_since, self._shaft.speed)
+
+    def search(self, now: float, since: float | None, speed: float) -> StrobeReading | None:
+        """Do what `observe` does, by what the shaft is seen to do.
+
+        Parameters
+        ----------
+        now
+            Seconds of the run at the end of the step.
+        since, speed
+            As `SteadySpeedDetector` has them then.
+
+        """
         if since is not None and since != self._since:
             self._finding = raise_until_doubled(speed, self._settings, self._rng)
         self._since = since
-        if since is None or self._finding is None or start + pivot.duration < since + self._finding.seconds:
+        if since is None or self._finding is None or now < since + self._finding.seconds:
             return None
         finding, self._finding = self._finding, None
         return StrobeReading(time=since + finding.seconds, speed=read_dial(finding.flash_rate(speed), self._settings))

@@ -38,7 +38,21 @@ def standing_images(
         Shape (images,) each: amplitudes from mid-stroke, ascending; share of the flashes.
 
     """
-    return distinct_images(-np.cos(phase + 2.0 * np.pi * np.arange(flash_phases) / flash_phases), mark_width)
+    return distinct_images(_lit(flash_phases, phase), mark_width)
+
+
+def number_of_images(flash_phases: int, phase: float, mark_width: float) -> int:
+    """Return how many images `standing_images` places."""
+    return 1 + int(np.count_nonzero(_apart(np.sort(_lit(flash_phases, phase)), mark_width)))
+
+
+def _lit(flash_phases: int, phase: float) -> NDArray[np.float64]:
+    return np.asarray(-np.cos(phase + 2.0 * np.pi * np.arange(flash_phases) / flash_phases))
+
+
+def _apart(lit: NDArray[np.float64], mark_width: float) -> NDArray[np.bool_]:
+    """Tell of which heights, ascending, the next is another image."""
+    return np.asarray(lit[1:] - lit[:-1] > 2.0 * mark_width + _ROUNDING)
 
 
 def distinct_images(lit: NDArray[np.float64], mark_width: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -60,7 +74,7 @@ def distinct_images(lit: NDArray[np.float64], mark_width: float) -> tuple[NDArra
     if not lit.size:
         return np.empty(0), np.empty(0)
     lit = np.sort(lit)
-    apart = np.flatnonzero(np.diff(lit) > 2.0 * mark_width + _ROUNDING) + 1
+    apart = np.flatnonzero(_apart(lit, mark_width)) + 1
     groups = np.split(lit, apart)
     return np.array([group.mean() for group in groups]), np.array([group.size / lit.size for group in groups])
 

@@ -4,31 +4,24 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import asdict, dataclass
-from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.instruments.random_streams import random_stream
 from kapitsa_ros.instruments.stopwatch import Stopwatch
 from kapitsa_ros.instruments.strobe import Strobe
+from kapitsa_ros.laboratory.apparatus import STEPS, apparatus
 from kapitsa_ros.network.registry import STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.network.run_builder import RunBuilder
-from kapitsa_ros.network.step_clock import StepClock
-from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.scripted_operator import ScriptedOperator
-from kapitsa_ros.physics.jigsaw import Jigsaw
-from kapitsa_ros.physics.pendulum import Pendulum
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kapitsa_ros.instruments.settings import Instruments
+    from kapitsa_ros.laboratory.apparatus import ApparatusStart
     from kapitsa_ros.network.run import Run
-    from kapitsa_ros.operator.command import Command
     from kapitsa_ros.operator.protocol import Protocol
     from kapitsa_ros.physics.plant import Plant
-
-_STEPS = StepParameters()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,31 +41,21 @@ class SimulatedExperiment:
         return [self._run(number, speeds) for number, speeds in enumerate(self.protocol.runs, start=1)]
 
     def _run(self, number: int, speeds: tuple[float, ...]) -> Run:
-        clock = StepClock(_STEPS.step_ns)
-        jigsaw = Jigsaw(amplitude=self.plant.amplitude)
-        pendulum = Pendulum(self.plant)
         strobe = Strobe(self.instruments.strobe, random_stream(self.seed, 'strobe', number))
         watch = Stopwatch(
             self.instruments.stopwatch, self.protocol.swings, random_stream(self.seed, 'stopwatch', number)
         )
-        operator = ScriptedOperator(self.protocol, speeds, clock.step)
-        commands = deque([operator.opening()] * _STEPS.in_flight)
+        operator = ScriptedOperator(self.protocol, speeds, STEPS.step)
+        commands = deque([operator.opening()] * STEPS.in_flight)
         builder = RunBuilder(number, self._settings())
-        for step in count():
-            command: Command = commands.popleft()
-            if command.end:
-                return builder.build(complete=True)
-            start = clock.start(StepId(number, step))
-            pivot = jigsaw.advance(command.speed, clock.step, _STEPS.samples)
-            if command.hold is None:
-                pendulum.release()
-            else:
-                pendulum.hold(command.hold)
-            seen = strobe.observe(start, pivot)
-            timed = watch.observe(start, pendulum.advance(pivot))
+        last: ApparatusStart = apparatus(self.plant, self.instruments)
+        while not (command := commands.popleft()).end:
+            last = step = last.after(command)
+            seen = strobe.search(step.swing.end, step.steady_since, step.speed)
+            timed = watch.time(step.swing)
             builder.add(command, {STROBE_READING: seen, STOPWATCH_READING: timed})
             commands.append(operator.command(seen, timed))
-        raise AssertionError
+        return builder.build(complete=True)
 
     def _settings(self) -> Mapping[str, Mapping[str, Any]]:
         return {

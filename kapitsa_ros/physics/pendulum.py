@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Pendulum:
-    """A rod on a shaken pivot, held at upright at first.
+    """A rod on a shaken pivot, held at upright at first; a copy moves on by itself.
 
     θ″ = k (g + y″) sin θ − c θ′ − f sgn θ′ (report, eqs. 1, 17 and 19), with play and wear at the pivot where the
     plant has them.
@@ -107,6 +107,7 @@ class Pendulum:
     def release(self) -> None:
         """Let go at the first bottom of the stroke from the next sample on, or at once if the pivot rests."""
         if self.held:
+            self._state = self._state.copy()
             self._state[layout.RELEASING] = 1.0
 
     def advance(self, pivot: SampledMotion) -> SampledMotion:

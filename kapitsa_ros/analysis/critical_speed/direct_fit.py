@@ -7,21 +7,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
 
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.critical_speed.excess_scatter import excess_scatter, improbable, rise_95
+from kapitsa_ros.analysis.critical_speed.levenberg_marquardt import Minimum, minimise
 from kapitsa_ros.analysis.critical_speed.likelihood import Likelihood
 from kapitsa_ros.analysis.critical_speed.posterior import Posterior, posterior
 from kapitsa_ros.analysis.errors import NothingTimedError
-from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.plant import G_STANDARD
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.evidence import Evidence
@@ -95,12 +92,12 @@ class CurveFit:
             self._first = posterior(self._likelihood, ruler, assumptions, guess)
             self._coulomb = self._first.coulomb
         found = self._fitted()
-        self.chi_squared = 2.0 * float(found.cost)
+        self.chi_squared = found.chi_squared
         """At the best fit with the errors stated."""
         self.discrepancy: float | None = 0.0
         """Relative error of the periods beyond the stated ones; None where none makes the runs agree."""
-        self._best: NDArray[np.float64] = found.x
-        self._sigma = _sigma(found)
+        self._best: NDArray[np.float64] = found.parameters
+        self._sigma = _sigma(found.jacobian)
 
     @property
     def is_improbable(self) -> bool:
@@ -114,12 +111,12 @@ class CurveFit:
 
         def with_discrepancy(error: float) -> float:
             self._likelihood.discrepancy = error
-            return 2.0 * float(self._fitted().cost)
+            return self._fitted().chi_squared
 
         self.discrepancy = excess_scatter(with_discrepancy, self._freedom)
         self._likelihood.discrepancy = self.discrepancy or 0.0
         found = self._fitted()
-        self._best, self._sigma = found.x, _sigma(found)
+        self._best, self._sigma = found.parameters, _sigma(found.jacobian)
 
     @property
     def likelihood(self) -> Likelihood:
@@ -175,58 +172,54 @@ class CurveFit:
             away *= 0.5
         return float(threshold)
 
-    def _fitted(self) -> OptimizeResult:
-        best = np.array([self._likelihood.first_guess(self._ruler.amplitude), self._ruler.amplitude, 0.0])
+    def _fitted(self) -> Minimum:
+        best = self._first_guess()
         for _ in range(_MOST_PASSES):
             self._likelihood.correct(*best[:2])
-            found = self._minimise(best)
-            moved, best = abs(found.x[0] - best[0]), found.x
-            if moved < _SETTLED * _sigma(found):
+            found = self._minimum(best)
+            moved, best = abs(found.parameters[0] - best[0]), found.parameters
+            if moved < _SETTLED * _sigma(found.jacobian):
                 break
         return found
 
-    def _residuals(self, threshold: float, amplitude: float, damping: float) -> NDArray[np.float64]:
-        """Return them for timings, falls and stands, the ruler and the damping.
+    def _first_guess(self) -> NDArray[np.float64]:
+        return np.array([self._likelihood.first_guess(self._ruler.amplitude), self._ruler.amplitude, 0.0])
+
+    def _residuals(self, sets: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return them for timings, falls and stands, the ruler and the damping, of M sets of parameters, shape (M, 3).
 
         Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
         """
-        evidence = self._likelihood.evidence
-        try:
-            self._likelihood.plant(threshold, amplitude, 0.0)
-        except PhysicsError:
-            return np.full(evidence.timed.period.size + len(evidence.fell) + len(evidence.stood) + 2, _NO_ROD)
-        known = ((amplitude - self._ruler.amplitude) / self.amplitude_sigma, damping / self._assumptions.light_damping)
-        return np.concatenate((self._likelihood.residuals(threshold, amplitude, damping, self._coulomb), known))
+        threshold, amplitude, damping = np.ascontiguousarray(sets.T)
+        can_be = self._likelihood.can_be(threshold, amplitude)
+        all_can_be = bool(can_be.all())
+        if not all_can_be:
+            sets = np.where(can_be[:, None], sets, self._first_guess())
+            threshold, amplitude, damping = np.ascontiguousarray(sets.T)
+        coulomb = np.full(damping.size, self._coulomb)
+        of_readings = self._likelihood.residuals(threshold, amplitude, np.abs(damping), coulomb)
+        found = np.empty((damping.size, of_readings.shape[1] + 2))
+        found[:, :-2] = of_readings
+        found[:, -2] = (amplitude - self._ruler.amplitude) / self.amplitude_sigma
+        found[:, -1] = damping / self._assumptions.light_damping
+        return found if all_can_be else np.where(can_be[:, None], found, _NO_ROD)
 
-    def _minimise(self, start: NDArray[np.float64]) -> OptimizeResult:
+    def _minimum(self, start: NDArray[np.float64]) -> Minimum:
         """Minimise the sum of squares; the last parameter, the damping, may be 0 and not less.
 
         Levenberg and Marquardt's method, once within and once at the end of the damping's range, is good to the last
         digits where readings are so exact that amplitude and damping are all but degenerate: bounded methods stop
         short.
         """
-        at_end = self._levenberg_marquardt(
-            lambda threshold, amplitude: self._residuals(threshold, amplitude, 0.0), start[:-1]
+        of_two = minimise(lambda sets: self._residuals(_undamped(sets)), start[:-1])
+        at_end = Minimum(
+            parameters=np.append(of_two.parameters, 0.0),
+            residuals=of_two.residuals,
+            jacobian=_undamped(of_two.jacobian),
         )
-        at_end.x = np.append(at_end.x, 0.0)
-        at_end.jac = np.column_stack((at_end.jac, np.zeros(at_end.fun.size)))
-        half = 0.5 * self._assumptions.light_damping
-        within = self._levenberg_marquardt(self._residuals, np.append(start[:-1], start[-1] or half))
-        return within if within.x[-1] >= 0.0 and within.cost < at_end.cost else at_end
-
-    def _levenberg_marquardt(
-        self, residuals: Callable[..., NDArray[np.float64]], start: NDArray[np.float64]
-    ) -> OptimizeResult:
-        scale = np.where(start > 0.0, 1e-3 * start, self._assumptions.light_damping)
-        return least_squares(
-            lambda parameters: residuals(*parameters),
-            start,
-            x_scale=scale,
-            method='lm',
-            xtol=1e-13,
-            ftol=1e-13,
-            gtol=1e-13,
-        )
+        damping = start[-1] or 0.5 * self._assumptions.light_damping
+        within = minimise(self._residuals, np.append(start[:-1], damping))
+        return within if within.parameters[-1] >= 0.0 and within.chi_squared < at_end.chi_squared else at_end
 
 
 def direct_fit(
@@ -245,8 +238,13 @@ def direct_fit(
     return fit.answer(fit.posterior())
 
 
-def _sigma(found: OptimizeResult) -> float:
+def _sigma(jacobian: NDArray[np.float64]) -> float:
     """Return the standard uncertainty of the threshold by the curvature at the minimum."""
-    scale = np.abs(found.jac).max(axis=0) + np.finfo(np.float64).tiny
-    jacobian = found.jac / scale
+    scale = np.abs(jacobian).max(axis=0) + np.finfo(np.float64).tiny
+    jacobian = jacobian / scale
     return float(np.sqrt(np.linalg.pinv(jacobian.T @ jacobian)[0, 0]) / scale[0])
+
+
+def _undamped(columns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Append a column of zeros: the damping, or the derivative by it."""
+    return np.column_stack((columns, np.zeros(columns.shape[0])))

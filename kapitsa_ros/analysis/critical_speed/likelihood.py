@@ -11,15 +11,16 @@ from scipy.special import log_ndtr
 from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
+from kapitsa_ros.schema import describe
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.evidence import Evidence
-    from kapitsa_ros.physics.plant import Plant
 
     Array = NDArray[np.float64]
 
@@ -28,6 +29,7 @@ FLOOR = 1e-5
 _ESCAPE_DOUBT = 0.1  # of how much farther from the threshold a wide release falls
 _STOP_DOUBT = 0.1  # of the number of swings that friction leaves, relative
 _WIDEST = 1.5  # rad
+_QUANTITIES = {item.name: item for item in describe(Plant)}
 
 
 class Likelihood:
@@ -40,6 +42,9 @@ class Likelihood:
         self.discrepancy = 0.0
         """Relative error of the model's periods, to be added to the stated errors."""
         self._threshold_correction = 1.0
+        timed = evidence.timed
+        self._period_variance = (timed.period_sigma / timed.period) ** 2  # relative
+        self._twice_slow_squared = 2.0 * timed.slow**2
 
     def first_guess(self, amplitude: float) -> float:
         """Solve Ω² = k²λ²ω²/2 − kg for k, row by row, with a given λ; return the middle threshold, rad/s."""
@@ -70,6 +75,12 @@ class Likelihood:
         self.model.correction = correction
         self._threshold_correction = omega_crit_exact(plant) / float(self._series_threshold(*one)[0])
 
+    def can_be(self, threshold: Array, amplitude: Array) -> NDArray[np.bool_]:
+        """Tell of which rods `plant` can make one, shape (M,)."""
+        with np.errstate(all='ignore'):
+            k = self.model.k(threshold, amplitude)
+        return np.asarray(_QUANTITIES['amplitude'].holds(amplitude) & _QUANTITIES['inertia_factor'].holds(k))
+
     def plant(self, threshold: float, amplitude: float, damping: float) -> Plant:
         """Return the plant of these parameters."""
         return plant_of_threshold(threshold, amplitude, self.gravity, damping)
@@ -87,13 +98,9 @@ class Likelihood:
         """Return the standard uncertainty of each period, s, shape (M, N); that of the speed counts by its effect."""
         timed = self.evidence.timed
         reach = (self.model.k(threshold, amplitude) * amplitude)[:, None]
-        steepness = reach**2 * timed.forcing / (2.0 * timed.slow**2)  # −d ln T/dω
+        steepness = reach**2 * timed.forcing / self._twice_slow_squared  # −d ln T/dω
         relative = (
-            (timed.period_sigma / timed.period) ** 2
-            + (steepness * timed.forcing_sigma) ** 2
-            + doubt**2
-            + FLOOR**2
-            + self.discrepancy**2
+            self._period_variance + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + FLOOR**2 + self.discrepancy**2
         )
         return np.asarray(timed.period * np.sqrt(relative))
 
@@ -103,6 +110,8 @@ class Likelihood:
         A wide release falls from above the threshold too, out of the effective well, whose barrier lies where
         cos θ₁ = (ω_crit/ω)².
         """
+        if not (self.evidence.fell or self.evidence.stood):
+            return np.zeros((threshold.size, 0))
         exact = self.exact_threshold(threshold, amplitude, damping)
         still = np.maximum(1.0 - self.model.k(threshold, amplitude) * amplitude, 0.1)  # report, eq. 12
         columns = []
@@ -113,7 +122,7 @@ class Likelihood:
         columns.extend(
             log_ndtr((stand.speed - exact) / max(stand.sigma, FLOOR * stand.speed)) for stand in self.evidence.stood
         )
-        return np.stack(columns, axis=-1) if columns else np.zeros((exact.size, 0))
+        return np.stack(columns, axis=-1)
 
     def stops(self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array) -> Array:
         """Return ln L of where swings stopped, and of that those that were timed did not, shape (M,).
@@ -129,13 +138,11 @@ class Likelihood:
         least = np.where(seen > 0.0, _log_probability(np.maximum(stopped, 1e-9), seen + FIRST_PRESS), 0.0)
         return np.asarray(known + (most + least).sum(axis=-1))
 
-    def residuals(self, threshold: float, amplitude: float, damping: float, coulomb: float) -> Array:
-        """Return those of the periods and of the falls and stands, whose squares add up to −2 ln L, for one rod."""
-        one = (np.array([threshold]), np.array([amplitude]), np.array([abs(damping)]))
-        period, doubt = self.model.periods(*one, np.array([coulomb]))
-        sigma = self.sigma(one[0], one[1], doubt)
-        timed = (self.evidence.timed.period - period[0]) / sigma[0]
-        return np.concatenate((timed, np.sqrt(-2.0 * self.bounds(*one)[0])))
+    def residuals(self, threshold: Array, amplitude: Array, damping: Array, coulomb: Array) -> Array:
+        """Return those of the periods and of the falls and stands, whose squares add up to −2 ln L, shape (M, R)."""
+        period, doubt = self.model.periods(threshold, amplitude, damping, coulomb)
+        timed = (self.evidence.timed.period - period) / self.sigma(threshold, amplitude, doubt)
+        return np.concatenate((timed, np.sqrt(-2.0 * self.bounds(threshold, amplitude, damping))), axis=1)
 
 
 def _log_probability(lasts: Array, needed: Array) -> Array:

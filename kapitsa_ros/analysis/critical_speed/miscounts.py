@@ -10,7 +10,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.critical_speed.evidence import by_reading, evidence_of
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR, Likelihood
-from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, rods_of_prior
+from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, log_sum, rods_of_prior
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency
 
 if TYPE_CHECKING:
@@ -61,30 +61,29 @@ def probable_counts(
     if not index or not assumptions.miscount_probability:
         return as_noted
     log_likelihood, of_bounds = _log_likelihoods(rows, index, ruler, gravity, assumptions)
-    best = log_likelihood.argmax(axis=2)
-    height = log_likelihood.max(axis=2).sum(axis=1) + of_bounds
-    candidates = np.unique(best[height > height.max() - _NEAR], axis=0)
+    height = log_likelihood.max(axis=0).sum(axis=1) + of_bounds
+    best = log_likelihood[:, height > height.max() - _NEAR].argmax(axis=0)
+    places = _WRONG.size ** np.arange(len(index))[::-1]
+    candidates = np.unique(best @ places)[:, None] // places % _WRONG.size
     each = np.arange(len(index))
-    weight = np.array(
-        [np.logaddexp.reduce(log_likelihood[:, each, candidate].sum(axis=1) + of_bounds) for candidate in candidates]
-    )
+    weight = np.array([log_sum(log_likelihood[candidate, :, each].sum(axis=0) + of_bounds) for candidate in candidates])
     order = np.argsort(-weight)[:_MOST]
-    kept = order[weight[order] - np.logaddexp.reduce(weight) > math.log(_NEGLIGIBLE)]
+    kept = order[weight[order] - log_sum(weight) > math.log(_NEGLIGIBLE)]
     return tuple(_counts(rows, index, _WRONG[candidates[number]], assumptions) for number in kept) or as_noted
 
 
 def _log_likelihoods(
     rows: Sequence[TimingRow], index: Sequence[int], ruler: Ruler, gravity: float, assumptions: Assumptions
 ) -> tuple[Array, Array]:
-    """Return ln L of timings that were counted right, one short and one over, shape (M, N, 3), and of falls, (M,)."""
+    """Return ln L of timings that were counted right, one short and one over, shape (3, M, N), and of falls, (M,)."""
     alone = [replace(row, run=None) for row in rows if row.kind != 'timed' or row.unused is not None]
     evidence = evidence_of([*alone, *(replace(rows[number], run=None) for number in index)])
     timed, swings = evidence.timed, evidence.swings
     likelihood = Likelihood(evidence, gravity)
-    true_swings = swings[:, None] + _WRONG
+    true_swings = swings + _WRONG[:, None]
     possible = true_swings > 0.5
-    period = timed.period[:, None] * (swings[:, None] / np.where(possible, true_swings, np.nan))
-    k = k_of_slow_frequency(timed.forcing[:, None], 2.0 * math.pi / period, ruler.amplitude, gravity)
+    period = timed.period * (swings / np.where(possible, true_swings, np.nan))
+    k = k_of_slow_frequency(timed.forcing, 2.0 * math.pi / period, ruler.amplitude, gravity)
     guess = np.sqrt(2.0 * gravity / k) / ruler.amplitude
     top = HIGHEST * float(timed.forcing.min())
     low, high = 0.7 * float(np.nanmin(guess)), min(1.2 * float(np.nanmax(guess)), top)
@@ -98,12 +97,16 @@ def _log_likelihoods(
     steepness = reach**2 * timed.forcing * expected**2 / (8.0 * math.pi**2)  # −d ln T/dω
     relative = np.sqrt(
         (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + _COARSE**2
-    )[:, :, None]
-    misfit = (np.nan_to_num(period, nan=np.inf) / expected[:, :, None] - 1.0) / relative
-    density = -0.5 * misfit**2 - np.log(relative * expected[:, :, None])
-    prior = np.log(true_swings, where=possible, out=np.zeros_like(period))
-    log_likelihood = density - prior + _log_priors(assumptions)
-    return log_likelihood, likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
+    )
+    prior = _log_priors(assumptions)[:, None] - np.log(true_swings, where=possible, out=np.zeros_like(period))
+    density = np.nan_to_num(period, nan=np.inf)[:, None, :] / expected  # in place from here on: it is a large array
+    density -= 1.0
+    density /= relative
+    density *= density
+    density *= -0.5
+    density -= np.log(relative * expected)
+    density += prior[:, None, :]
+    return density, likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
 
 
 def _log_priors(assumptions: Assumptions) -> Array:

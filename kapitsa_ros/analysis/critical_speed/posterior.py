@@ -119,17 +119,17 @@ def posterior(
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
         proposed = prior.log_density(z) if root is None else _log_student(z, mean, root)
         log_weight = log_likelihood + (prior.log_density(z) - proposed)[:, None]
-        of_rod = np.logaddexp.reduce(log_weight, axis=1)
+        of_rod = log_sum(log_weight, axis=1)
         if _effective(of_rod) >= _ENOUGH:
             break
         tempered = of_rod
         while _effective(tempered) < _WORTH:
             tempered = 0.7 * tempered
-        share = np.exp(tempered - np.logaddexp.reduce(tempered))
+        share = np.exp(tempered - log_sum(tempered))
         mean = share @ z
         spread = 1.3 * ((z - mean).T * share) @ (z - mean)
-        root = np.linalg.cholesky(spread + 1e-12 * np.eye(_DIMENSIONS))
-    total = float(np.logaddexp.reduce(log_weight, axis=None))
+        root = np.asarray(np.linalg.cholesky(spread + 1e-12 * np.eye(_DIMENSIONS)), dtype=np.float64)
+    total = float(log_sum(log_weight))
     weight = np.exp(log_weight - total)
     each = weight.sum(axis=1)
     exact = likelihood.exact_threshold(
@@ -279,19 +279,28 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
     bend = ((above - 2.0 * period + below) / (2.0 * step[:, None] ** 2))[:, None, :]
     threshold = np.maximum(best[:, None] + _WIDER * error[:, None] * offsets, 1e-3 * top)
     away = (threshold - best[:, None])[:, :, None]
-    misfit = (timed.period - period[:, None, :] - slope * away - bend * away**2) / likelihood.sigma(
-        best, rods.amplitude, doubt
-    )[:, None, :]
-    log_likelihood = -0.5 * np.sum(misfit**2, axis=2) + 0.5 * offsets**2 + np.log(error)[:, None]
-    log_likelihood -= np.sum(np.log(likelihood.sigma(best, rods.amplitude, doubt)), axis=1)[:, None]
+    sigma = likelihood.sigma(best, rods.amplitude, doubt)
+    misfit = timed.period - period[:, None, :] - slope * away - bend * away**2
+    misfit /= sigma[:, None, :]
+    misfit *= misfit
+    log_likelihood = -0.5 * np.sum(misfit, axis=2) + 0.5 * offsets**2 + np.log(error)[:, None]
+    log_likelihood -= np.sum(np.log(sigma), axis=1)[:, None]
     log_likelihood += likelihood.stops(best, *others)[:, None]
-    bounds = likelihood.bounds(threshold.ravel(), np.repeat(rods.amplitude, _AROUND), np.repeat(rods.damping, _AROUND))
-    return threshold, log_likelihood + bounds.sum(axis=1).reshape(threshold.shape)
+    if likelihood.evidence.fell or likelihood.evidence.stood:
+        each = (threshold.ravel(), np.repeat(rods.amplitude, _AROUND), np.repeat(rods.damping, _AROUND))
+        log_likelihood += likelihood.bounds(*each).sum(axis=1).reshape(threshold.shape)
+    return threshold, log_likelihood
+
+
+def log_sum(logarithms: Array, axis: int | None = None) -> Array:
+    """Return ln of a sum of what logarithms are given of, finite ones."""
+    highest = logarithms.max(axis=axis, keepdims=True)
+    return np.asarray(np.squeeze(highest, axis) + np.log(np.exp(logarithms - highest).sum(axis=axis)))
 
 
 def _effective(log_weight: Array) -> float:
     """Return how many of weighted rods count (Kish)."""
-    return float(np.exp(2.0 * np.logaddexp.reduce(log_weight) - np.logaddexp.reduce(2.0 * log_weight)))
+    return float(np.exp(2.0 * log_sum(log_weight) - log_sum(2.0 * log_weight)))
 
 
 def _log_student(z: Array, mean: Array, root: Array) -> Array:

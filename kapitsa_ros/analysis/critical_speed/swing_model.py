@@ -47,9 +47,7 @@ class SwingModel:
         """Return Ω of small swings, rad/s, shape (M, N)."""
         k = self.k(threshold, amplitude)
         slow = np.empty((k.size, speed.shape[-1]))
-        small_swings(
-            k, amplitude, damping, np.ascontiguousarray(np.broadcast_to(speed, slow.shape)), self._gravity, slow
-        )
+        small_swings(k, amplitude, damping, np.atleast_2d(speed), self._gravity, slow)
         return slow
 
     def periods(
@@ -63,7 +61,7 @@ class SwingModel:
         """
         timed = self._evidence.timed
         period, doubt = np.empty((threshold.size, timed.period.size)), np.empty((threshold.size, timed.period.size))
-        speed = np.ascontiguousarray(np.broadcast_to(timed.forcing if forcing is None else forcing, period.shape))
+        speed = timed.forcing[None, :] if forcing is None else np.ascontiguousarray(forcing)
         slow_periods(
             self.k(threshold, amplitude),
             amplitude,

@@ -27,26 +27,35 @@ _NODES = 0.5 * (np.polynomial.legendre.leggauss(2)[0] + 1.0)  # of the time of a
 
 
 @kernel
-def small_swing(k: float, reach: float, damping: float, speed: float, gravity: float) -> float:
-    """Return Ω of a small swing, rad/s, by the power series of Mathieu's characteristic value (DLMF 28.15.1)."""
-    q2 = (2.0 * reach) ** 2
-    q4 = q2 * q2 / 32.0
-    goal = -4.0 * k * gravity / speed**2 - (damping / speed) ** 2
-    nu2 = min(max(goal + 0.5 * q2, 0.0), 0.5)
-    for _ in range(_ITERATIONS):
-        near, far = nu2 - 1.0, nu2 - 4.0
-        nu2 = goal - q2 / (2.0 * near) - (5.0 * nu2 + 7.0) * q4 / (near * near * near * far)
-        nu2 = min(max(nu2, -0.5), 0.5)
-    return 0.5 * speed * math.sqrt(max(nu2, _NO_SWING))
+def small_swings_at(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
+    """Fill in Ω of small swings, rad/s, of M rods at a speed each: arrays of shape (M,).
+
+    By the power series of Mathieu's characteristic value (DLMF 28.15.1). The loop has no call and no branch, so that
+    processors do several rods at once.
+    """
+    for i in range(slow.size):
+        reach = k[i] * amplitude[i]
+        q2 = 4.0 * reach * reach
+        q4 = q2 * q2 / 32.0
+        decay = damping[i] / speed[i]
+        goal = -4.0 * k[i] * gravity / (speed[i] * speed[i]) - decay * decay
+        nu2 = min(max(goal + 0.5 * q2, 0.0), 0.5)
+        for _ in range(_ITERATIONS):
+            near, far = nu2 - 1.0, nu2 - 4.0
+            nu2 = goal - q2 / (2.0 * near) - (5.0 * nu2 + 7.0) * q4 / (near * near * near * far)
+            nu2 = min(max(nu2, -0.5), 0.5)
+        slow[i] = 0.5 * speed[i] * math.sqrt(max(nu2, _NO_SWING))
 
 
 @kernel
 def small_swings(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
-    """Fill in Ω of M rods, rad/s, at N speeds each; `speed` and `slow` have the shape (M, N)."""
-    for rod in range(slow.shape[0]):
-        for run in range(slow.shape[1]):
-            reach = k[rod] * amplitude[rod]
-            slow[rod, run] = small_swing(k[rod], reach, damping[rod], speed[rod, run], gravity)
+    """Fill in Ω of M rods, rad/s, at N speeds each; `slow` has the shape (M, N), `speed` that or (1, N)."""
+    forcing, found = np.empty(k.size), np.empty(k.size)
+    for run in range(slow.shape[1]):
+        for rod in range(k.size):
+            forcing[rod] = speed[min(rod, speed.shape[0] - 1), run]
+        small_swings_at(k, amplitude, damping, forcing, gravity, found)
+        slow[:, run] = found
 
 
 @kernel
@@ -60,11 +69,39 @@ def friction_factor(ratio: float, factors: Array, spacing: float) -> float:
 
 
 @kernel
-def width_after(start: float, loss: float, damping: float, slow: float, periods: float) -> float:
-    """Return the width after some periods, rad: A′ = −cA/2 − (friction's loss), and 0 at the end."""
-    decay = damping * math.pi / slow * periods
-    mean = -math.expm1(-decay) / decay if decay > 1e-8 else 1.0
-    return max(start * math.exp(-decay) - loss * periods * mean, 0.0)
+def widths_after(
+    k: Array,
+    amplitude: Array,
+    damping: Array,
+    slow: Array,
+    loss: Array,
+    release: float,
+    periods: float,
+    width: Array,
+) -> None:
+    """Fill in widths some periods after a release, rad: A′ = −cA/2 − (friction's loss), and 0 at the end."""
+    for rod in range(width.size):
+        start = release / (1.0 - min(k[rod] * amplitude[rod], 0.9))  # at the bottom of the stroke (report, eq. 12)
+        decay = damping[rod] * math.pi / slow[rod] * periods
+        mean = -math.expm1(-decay) / decay if decay > 1e-8 and loss[rod] > 0.0 else 1.0
+        width[rod] = max(start * math.exp(-decay) - loss[rod] * periods * mean, 0.0)
+
+
+@kernel
+def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: float, slower: Array) -> None:
+    """Add by how much the potential makes swings of some width slower than small ones, once for each phase."""
+    for rod in range(slower.size):
+        edge = math.sin(0.5 * min(width[rod], _WIDEST))
+        swept = k[rod] * amplitude[rod] * forcing[rod]
+        stiffness = 0.5 * swept * swept
+        weight = k[rod] * gravity
+        linear = max(stiffness - weight, 1e-6)
+        total = slower[rod]
+        for phase in _PHASES:
+            half = edge * phase
+            left = max(stiffness * (1.0 - edge * edge - half * half) - weight, _BARRIER * linear)
+            total += math.sqrt(linear / (left * (1.0 - half * half)))
+        slower[rod] = total
 
 
 @kernel
@@ -89,7 +126,7 @@ def slow_periods(
     k, amplitude, damping, coulomb
         m·l_c/I, 1/m; λ, m; c, 1/s; f, rad/s²: shape (M,).
     speed
-        ω, rad/s, shape (M, N).
+        ω, rad/s, shape (M, N), or (1, N) where it is the same for all rods.
     release, swings
         |θ| at the release, rad, and full swings that are timed, shape (N,).
     gravity
@@ -100,27 +137,28 @@ def slow_periods(
         Shape (M, N).
 
     """
-    for rod in range(period.shape[0]):
-        reach = k[rod] * amplitude[rod]
-        weight = k[rod] * gravity
-        still = 1.0 - min(reach, 0.9)
-        for run in range(period.shape[1]):
-            forcing = speed[rod, run]
-            slow = small_swing(k[rod], reach, damping[rod], forcing, gravity)
-            loss = coulomb[rod] * friction_factor(slow / (reach * forcing), factors, spacing) / slow**2
-            start = release[run] / still  # let go at the bottom of the stroke (report, eq. 12)
-            stiffness = 0.5 * (reach * forcing) ** 2
-            linear = max(stiffness - weight, 1e-6)
-            slower = 0.0
-            for node in _NODES:
-                width = width_after(start, loss, damping[rod], slow, FIRST_PRESS + node * swings[run])
-                edge = math.sin(0.5 * min(width, _WIDEST))
-                for phase in _PHASES:
-                    half = edge * phase
-                    left = max(stiffness * (1.0 - edge * edge - half * half) - weight, _BARRIER * linear)
-                    slower += math.sqrt(linear / (left * (1.0 - half * half)))
-            slower /= _NODES.size * _PHASES.size
-            middle = max(width_after(start, loss, damping[rod], slow, FIRST_PRESS + 0.5 * swings[run]), loss)
-            eaten = loss / middle if loss > 0.0 else 0.0
-            period[rod, run] = 2.0 * math.pi / slow * slower
-            doubt[rod, run] = math.hypot(0.3 * (slower - 1.0) ** 2, 0.1 * eaten * eaten)
+    rods, runs = period.shape
+    forcing, slow, loss, width, slower = (
+        np.empty(rods), np.empty(rods), np.empty(rods), np.empty(rods), np.empty(rods)
+    )  # fmt: skip
+    for run in range(runs):
+        for rod in range(rods):
+            forcing[rod] = speed[min(rod, speed.shape[0] - 1), run]
+            slower[rod] = 0.0
+        small_swings_at(k, amplitude, damping, forcing, gravity, slow)
+        for rod in range(rods):
+            loss[rod] = 0.0
+            if coulomb[rod] > 0.0:
+                ratio = slow[rod] / (k[rod] * amplitude[rod] * forcing[rod])
+                loss[rod] = coulomb[rod] * friction_factor(ratio, factors, spacing) / (slow[rod] * slow[rod])
+        for node in _NODES:
+            widths_after(k, amplitude, damping, slow, loss, release[run], FIRST_PRESS + node * swings[run], width)
+            soften(k, amplitude, forcing, width, gravity, slower)
+        widths_after(k, amplitude, damping, slow, loss, release[run], FIRST_PRESS + 0.5 * swings[run], width)
+        for rod in range(rods):
+            softened = slower[rod] / (_NODES.size * _PHASES.size)
+            period[rod, run] = 2.0 * math.pi / slow[rod] * softened
+            doubt[rod, run] = 0.3 * (softened - 1.0) ** 2
+            if loss[rod] > 0.0:
+                eaten = loss[rod] / max(width[rod], loss[rod])
+                doubt[rod, run] = math.hypot(doubt[rod, run], 0.1 * eaten * eaten)

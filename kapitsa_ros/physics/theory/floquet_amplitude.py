@@ -6,6 +6,7 @@ import cmath
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import i0e
 
 from kapitsa_ros.physics.kernels.mathieu import half_period
 from kapitsa_ros.physics.theory.mathieu import mathieu_a, mathieu_q
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.physics.plant import Plant
+
+FEW_SWINGS = 8
+_KAISER = 36.0
+"""Shape of Kaiser's window: it forgets what oscillates 11.5 times or more, but for 1e-15 of it."""
 
 
 def slow_amplitude(
@@ -44,8 +49,21 @@ def mean_turn(amplitude: NDArray[np.complex128], expected: float) -> float:
 
     Each is taken within half a turn of what is expected: where impacts shake the amplitude some steps go backwards.
     """
+    return smooth_mean(_turns(amplitude, expected))
+
+
+def mean_turn_of_few(amplitude: NDArray[np.complex128], expected: float) -> float:
+    """Return what `mean_turn` does, of `FEW_SWINGS` in which all that oscillates does so twice a swing or faster."""
+    turns = _turns(amplitude, expected)
+    place = np.linspace(-1.0, 1.0, turns.size)
+    argument = _KAISER * np.sqrt(1.0 - place**2)
+    weight = i0e(argument) * np.exp(argument - _KAISER)
+    return float(weight @ turns / weight.sum())
+
+
+def _turns(amplitude: NDArray[np.complex128], expected: float) -> NDArray[np.float64]:
     steps = np.angle(amplitude[:-1] / amplitude[1:])
-    return smooth_mean(expected + np.mod(steps - expected + np.pi, 2.0 * np.pi) - np.pi)
+    return np.asarray(expected + np.mod(steps - expected + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def mean_growth(amplitude: NDArray[np.complex128]) -> float:
