@@ -25,8 +25,8 @@ DIGEST_TOPIC = 'recorder/digest'
 """std_msgs/String, JSON: what the group of steps before it comes to."""
 DIGEST_KEY, LAST_GROUP_KEY = 'digest', 'last_group'
 """Keys of the bag's custom data: digest of the run, and of the last message about a group, to which the others lead."""
-MOTION_KEY = 'motion_chunks'
-"""Key of the SHA-256 over the content of the chunks that hold the motion, where no step of the run is missing."""
+MOTION_KEY = 'motion_digest'
+"""Key of the digest of the motion, see `MotionDigest`; where no step of the run is missing."""
 MOST_STEPS = 10**12
 """Larger numbers are damage: simulated time would not hold them."""
 SIZE = 16
