@@ -99,6 +99,22 @@ def test_bags_are_replayed_to_the_same_digits(kapitsa: Kapitsa, recorded: Record
         assert replayed['realtime_factor'] < 1.05 * rate
 
 
+@pytest.mark.slow
+def test_live_replayed_and_offline_the_result_has_the_same_bytes_on_a_busy_machine(
+    kapitsa: Kapitsa,
+    tmp_path: Path,
+    busy: None,  # noqa: ARG001
+) -> None:
+    def text(values: dict[str, Any]) -> str:
+        return json.dumps(comparable(values), sort_keys=True)
+
+    live = text(kapitsa('experiment', '--preset', 'as_built_1997', '--seed', 5, '--bags', tmp_path, '--json').json)
+    bags = sorted(tmp_path.iterdir())
+    assert text(kapitsa('analyse', *bags, '--json').json) == live
+    for rate in (0, 1, 20):
+        assert text(kapitsa('replay', *bags, '--rate', rate, '--json').json) == live, f'at rate {rate}'
+
+
 def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded) -> None:
     first, _, last = sorted(recorded[0].iterdir())
     bags = [last, first, first]
