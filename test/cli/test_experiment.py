@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from domain_of_process import domain_of
 
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network import registry
@@ -20,7 +21,6 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.resources import resource_path
-from kapitsa_ros.rig.domain import HIGHEST
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.rig_client import RigClient
 from kapitsa_ros.units import RPM
@@ -121,15 +121,6 @@ def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded)
     assert comparable(kapitsa('replay', *bags, '--json').json) == comparable(analyse_bags(bags))
 
 
-def domain_of(pid: int) -> int:
-    """Return the domain that a process is in; DDS gives each 250 ports (RTPS specification, 9.6.1.1)."""
-    links = [str(path.readlink()) for path in Path(f'/proc/{pid}/fd').iterdir()]
-    rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
-    ports = [int(row[1].split(':')[1], 16) for row in rows if f'socket:[{row[9]}]' in links]
-    [domain] = {(port - 7400) // 250 for port in ports if 7400 <= port < 7400 + 250 * (HIGHEST + 1)}
-    return domain
-
-
 def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> None:
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240]')
@@ -141,7 +132,9 @@ def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> 
     assert process.stderr is not None
     assert 'run 1 of 1' in next(process.stderr)
     with on_loopback():
-        client = RigClient(domain_of(process.pid))
+        domain = domain_of(process.pid)
+        assert domain is not None
+        client = RigClient(domain)
     with client:
         while not client.is_served():
             time.sleep(0.01)  # discovery takes its own time, and tells nobody
