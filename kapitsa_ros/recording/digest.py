@@ -31,6 +31,8 @@ MOST_STEPS = 10**12
 """Larger numbers are damage: simulated time would not hold them."""
 SIZE = 16
 """Bytes of the digest of a message."""
+_TOPICS = [(topic.name, topic in REPLAYED) for topic in RECORDED]
+"""Names of what is recorded, and whether the player puts it back."""
 
 
 def message_digest(raw: bytes) -> bytes:
@@ -130,11 +132,11 @@ class RunDigest:
     def add(self, step_id: StepId, messages: Mapping[str, bytes]) -> None:
         """Take in the messages of a step, by topic."""
         self._ids.append(step_id)
-        for topic in RECORDED:
-            if topic.name in messages:
-                digest = message_digest(messages[topic.name])
-                self._group.setdefault(topic.name, []).append(digest)
-                if topic in REPLAYED:
+        for name, replayed in _TOPICS:
+            if name in messages:
+                digest = message_digest(messages[name])
+                self._group.setdefault(name, []).append(digest)
+                if replayed:
                     self._whole.update(digest)
 
     def close_group(self) -> bytes | None:
