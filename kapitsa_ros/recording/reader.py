@@ -108,7 +108,7 @@ class RunBag(StoredRun):
         """
         samples = gaps = 0
         end = -1
-        for piece in self.motion_in_pieces():
+        for piece in self.motion_in_pieces(steps=100):
             samples += piece.stamps_ns.size - (piece.stamps_ns[0] == end)
             gaps += piece.gaps
             end = piece.stamps_ns[-1]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from domain_of_process import domain_of
+from mcap.reader import make_reader
 
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network import registry
@@ -155,7 +156,13 @@ def test_sqlite3_on_request(kapitsa: Kapitsa, recorded: Recorded, tmp_path: Path
 
 
 def test_ideal_instruments_read_the_nonlinear_truth(kapitsa: Kapitsa, tmp_path: Path) -> None:
-    values = kapitsa('experiment', '--instruments', 'ideal', '--bags', tmp_path, '--json').json
+    how = ['--instruments', 'ideal', '--compression', 'none']
+    values = kapitsa('experiment', *how, '--bags', tmp_path, '--json').json
+    for file in tmp_path.glob('*/*.mcap'):
+        with file.open('rb') as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary is not None
+        assert {chunk.compression for chunk in summary.chunk_indexes} == {''}
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):
         truth = slow_frequency_nonlinear(Plant(), rpm * RPM, 0.12) / RPM
         assert run['slow_rpm'] == pytest.approx(truth, rel=1e-3)
