@@ -64,22 +64,27 @@ def record(writer: RunWriter, steps: list[tuple[int, dict[str, bytes]]]) -> None
 def main() -> None:
     """Measure and print."""
     with tempfile.TemporaryDirectory() as folder:
-        ours, joints = Path(folder) / 'run', Path(folder) / 'joints'
+        ours, unpacked, joints = Path(folder) / 'run', Path(folder) / 'unpacked', Path(folder) / 'joints'
         shipped = RunBag(SHIPPED)
         steps = steps_of(shipped.run, 60.0, 2000.0)
         writers = (RunWriter(Path(folder) / f'run_{number}', 'mcap', shipped.settings_texts, 5) for number in range(99))
-        writer = RunWriter(ours, 'mcap', shipped.settings_texts, 5)
-        record(writer, steps)
-        writer.close(complete=True)
+        for path, compression in ((ours, 'zstd'), (unpacked, 'none')):
+            writer = RunWriter(path, 'mcap', shipped.settings_texts, 5, compression=compression)
+            record(writer, steps)
+            writer.close(complete=True)
         export(RunBag(ours), 'joint-states', joints)
         rows = loop(joints)
-        motion, joint = read_motion(ours), read_joint(joints, 'pendulum')
-        bag_s, joint_s, loop_s = cpu(
-            lambda: read_motion(ours), lambda: read_joint(joints, 'pendulum'), lambda: loop(joints)
+        motion, as_it_is, joint = read_motion(ours), read_motion(unpacked), read_joint(joints, 'pendulum')
+        bag_s, unpacked_s, joint_s, loop_s = cpu(
+            lambda: read_motion(ours),
+            lambda: read_motion(unpacked),
+            lambda: read_joint(joints, 'pendulum'),
+            lambda: loop(joints),
         )
         peer = 'AnyReader, a loop over JointState'
         for work, target, cost, angle in (
             ('θ(t) of 60 s at 2 kHz from a bag (zstd), its digest checked', '>= 100', bag_s, motion.angle),
+            ('the same, recorded with compression none', '>= 300', unpacked_s, as_it_is.angle),
             ('the same from JointState of others (zstd)', '>= 50', joint_s, joint.position),
         ):
             error = float(np.abs(angle - rows[:, 1]).max())

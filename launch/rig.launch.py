@@ -6,6 +6,7 @@ from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, Opaq
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
+from kapitsa_ros.recording.writer import COMPRESSIONS
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, PLANT_ARGUMENTS, executables, node_options, rig_from
 from kapitsa_ros.rig.setup import parameters
@@ -21,6 +22,7 @@ ARGUMENTS = {
     'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
     'seed': ('1', 'of all chance', None),
     'bags': ('runs', 'folder in which each run gets a bag', None),
+    'compression': ('zstd', 'of the chunks in the bags', list(COMPRESSIONS)),
     'viewer': ('none', 'what shows the rig, if its package is installed', list(VIEWERS)),
     'params_file': ('', 'parameters of nodes that go before all others', None),
     'namespace': NODE_ARGUMENTS['namespace'],

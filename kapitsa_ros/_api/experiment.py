@@ -82,6 +82,7 @@ def experiment(
     bags: str | Path = 'runs',
     rate: float = 0.0,
     storage: str = 'mcap',
+    compression: str = 'zstd',
     composed: bool = False,
     assumptions: AnyAssumptions = None,
     on_progress: Callable[[dict[str, str]], None] | None = None,
@@ -106,6 +107,8 @@ def experiment(
         Simulated over wall seconds; 0: as fast as it can.
     storage
         Of the bags: mcap or sqlite3.
+    compression
+        Of the chunks in MCAP: zstd or none, which makes θ(t) quicker to read and files three times as large.
     composed
         Whether the nodes share one process; the bags are the same.
     assumptions
@@ -140,6 +143,7 @@ def experiment(
         rate=rate,
         bags=Path(bags),
         storage=storage,
+        compression=compression,
         composed=composed,
     )
     values = run_experiment(setup, on_progress or (lambda _: None), as_assumptions(assumptions))

@@ -91,11 +91,12 @@ def origin(run: Run) -> dict[str, Any]:
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:
     """Return the values of a bag besides its readings."""
+    samples, gaps = bag.motion_counts
     return {
         'bag': str(bag.path),
         'run': bag.number,
-        'samples': int(bag.motion.angle.size),
-        'gaps': bag.motion.gaps,
+        'samples': samples,
+        'gaps': gaps,
         'digest_ok': bag.integrity.ok,
         'defects': list(bag.defects),
     }

@@ -8,6 +8,7 @@ The layout is little-endian CDR, as rclpy publishes it; the tests compare the tw
 from __future__ import annotations
 
 import struct
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -47,7 +48,9 @@ _POINT = np.dtype(
         'itemsize': 56,
     }
 )
-_WORDS = _POINT.itemsize // 8
+POINT_SIZE, RATE_AT = _POINT.itemsize, 16
+"""Bytes from one position to the next, and from a position to its rate."""
+_WORDS = POINT_SIZE // 8
 _VALUES = range(0, 5, 2)
 """Which eight bytes of a point are position, rate and acceleration."""
 _VALUE_COLUMNS = slice(_VALUES.start, _VALUES.stop, _VALUES.step)
@@ -61,18 +64,6 @@ class Block(NamedTuple):
     position: NDArray[np.float64]
     rate: NDArray[np.float64]
     acceleration: NDArray[np.float64]
-
-
-class Blocks(NamedTuple):
-    """Motion blocks of one size: N blocks of M samples."""
-
-    stamps_ns: NDArray[np.int64]
-    """Of the headers, shape (N,)."""
-    times_ns: NDArray[np.int64]
-    """From the header's stamp, the same in each, shape (M,)."""
-    position: NDArray[np.float64]
-    """Shape (N, M), as rate."""
-    rate: NDArray[np.float64]
 
 
 def aligned(size: int, to: int) -> int:
@@ -186,7 +177,7 @@ def _points_at_rest(times_ns: bytes) -> bytes:
 
 def decode_block(raw: bytes) -> Block | None:
     """Read a block laid out as `encode_block` does it, or return None: other writers may lay it out otherwise."""
-    if (layout := _block_layout(raw)) is None:
+    if (layout := block_layout(raw)) is None:
         return None
     joint, at, count = layout
     words = np.frombuffer(raw + bytes(_LENGTH.size), '<u8', count * _WORDS, at).reshape(count, _WORDS)
@@ -196,9 +187,32 @@ def decode_block(raw: bytes) -> Block | None:
     return None if times is None else Block(joint, times, *words[:, _VALUE_COLUMNS].T.copy().view('<f8'))
 
 
-@lru_cache(maxsize=8)
 def _times(rest: bytes) -> NDArray[np.int64] | None:
-    """Return the times of a block, ns, from the bytes of its points with all values 0; None where it has others."""
+    """Return the times of a block, ns, from the bytes of its points with all values 0; None where it has others.
+
+    Mostly they are those of the block before. To compare the bytes costs a tenth of what it does to look them up.
+    """
+    latest = _latest_points(len(rest))
+    known, times = latest.points
+    if known != rest:
+        times = _new_times(rest)
+        latest.points = rest, times  # at once, as another thread may read it
+    return times
+
+
+@dataclass(slots=True)
+class _Latest:
+    points: tuple[bytes, NDArray[np.int64] | None] = (b'', None)
+    """With all values 0, and their times."""
+
+
+@lru_cache(maxsize=8)
+def _latest_points(size: int) -> _Latest:  # noqa: ARG001 - the key
+    """Return what was read last of so many bytes, for the next to replace."""
+    return _Latest()
+
+
+def _new_times(rest: bytes) -> NDArray[np.int64] | None:
     points = np.frombuffer(rest, _POINT)
     lengths_fit = (
         (points['n_rate'] == 1).all()
@@ -213,36 +227,7 @@ def _times(rest: bytes) -> NDArray[np.int64] | None:
     return times
 
 
-def decode_blocks(rows: NDArray[np.uint8]) -> Blocks | None:
-    """Read blocks of one size at once; None where one is laid out otherwise than `encode_block` does it, or not finite.
-
-    Parameters
-    ----------
-    rows
-        A message each.
-
-    """
-    first = rows[0].tobytes()
-    block, layout = decode_block(first), _block_layout(first)
-    if block is None or layout is None:
-        return None
-    _, at, count = layout
-    stamp = len(_ENCAPSULATION)
-    points = rows[:, at : at + count * _POINT.itemsize - 8].copy().view('<u8')  # aligned, which is faster
-    # All but stamp, number and values has to be the same; the last eight bytes are half a time and half a length.
-    lengths = (points[:, word::_WORDS] for word in range(_WORDS) if word not in _VALUES)
-    same = (rows[:, :stamp], rows[:, NUMBER_LENGTH_AT:_STEP_ID_AT], rows[:, header_size(first) : at])
-    if any((part != part[0]).any() for part in (*same, *lengths, rows[:, -_LENGTH.size :])):
-        return None
-    position, rate, acceleration = (points[:, word::_WORDS].view('<f8') for word in _VALUES)
-    if not np.isfinite(acceleration).all():
-        return None
-    stamps = rows[:, stamp : stamp + _STAMP.size].copy().view(_STAMPS)[:, 0]
-    stamps_ns = stamps['sec'] * np.int64(SECOND) + stamps['nanosec']
-    return Blocks(stamps_ns, block.times_ns, position, rate)
-
-
-def _block_layout(raw: bytes) -> tuple[str, int, int] | None:
+def block_layout(raw: bytes) -> tuple[str, int, int] | None:
     """Return joint, place of the points and their number in a block that may be laid out as `encode_block` does it."""
     try:
         (length,) = _LENGTH.unpack_from(raw, NUMBER_LENGTH_AT)
@@ -258,6 +243,6 @@ def _block_layout(raw: bytes) -> tuple[str, int, int] | None:
         at += aligned(at - len(_ENCAPSULATION), 8)
     except (struct.error, UnicodeDecodeError):
         return None
-    if joints != 1 or first != 1 or not count or len(raw) != at + count * _POINT.itemsize - _LENGTH.size:
+    if joints != 1 or first != 1 or not count or len(raw) != at + count * POINT_SIZE - _LENGTH.size:
         return None
     return joint, at, count

@@ -10,7 +10,7 @@ from rclpy.logging import get_logger
 from kapitsa_ros.network.registry import COMMAND, RECORDER, WRITTEN
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_name
-from kapitsa_ros.recording.writer import STORAGES, RunWriter
+from kapitsa_ros.recording.writer import COMPRESSIONS, STORAGES, RunWriter
 from kapitsa_ros.ros.dataflow_node import LOOK_PERIOD
 from kapitsa_ros.ros.errors import NodeError, SettingError
 from kapitsa_ros.ros.parameters import declare
@@ -28,11 +28,16 @@ class RecorderNode(StepNode):
         super().__init__(RECORDER)
         self._bags = Path(declare(self, 'bags', 'runs', 'folder in which each run gets a bag of its own'))
         self._storage = declare(self, 'storage', 'mcap', f'of the bags: {" or ".join(STORAGES)}')
+        self._compression = declare(self, 'compression', 'zstd', f'of the chunks in MCAP: {" or ".join(COMPRESSIONS)}')
         self._steps_a_chunk = declare(
             self, 'steps_a_chunk', 5, 'steps that a crash may cost, half a second at most', 1, 1000
         )
-        if self._storage not in STORAGES:
-            raise SettingError(f'parameter storage is {self._storage!r}: choose {" or ".join(STORAGES)}')
+        for name, value, choices in (
+            ('storage', self._storage, STORAGES),
+            ('compression', self._compression, COMPRESSIONS),
+        ):
+            if value not in choices:
+                raise SettingError(f'parameter {name} is {value!r}: choose {" or ".join(choices)}')
         self._settings = SettingsSubscriber(self)
         self._writer: RunWriter | None = None
 
@@ -55,7 +60,13 @@ class RecorderNode(StepNode):
         try:
             if self._writer is None:
                 path = self._bags / run_name(step.id.run, step[COMMAND].speed)
-                self._writer = RunWriter(path, self._storage, self._settings.texts, self._steps_a_chunk)
+                self._writer = RunWriter(
+                    path,
+                    self._storage,
+                    self._settings.texts,
+                    self._steps_a_chunk,
+                    compression=self._compression,
+                )
             self._writer.write_step(step.stamp_ns, step.raw)
         except BagError as error:
             self._give_up()

@@ -25,12 +25,14 @@ DIGEST_TOPIC = 'recorder/digest'
 """std_msgs/String, JSON: what the group of steps before it comes to."""
 DIGEST_KEY, LAST_GROUP_KEY = 'digest', 'last_group'
 """Keys of the bag's custom data: digest of the run, and of the last message about a group, to which the others lead."""
-MOTION_KEY = 'motion_chunks'
-"""Key of the SHA-256 over the content of the chunks that hold the motion, where no step of the run is missing."""
+MOTION_KEY = 'motion_digest'
+"""Key of the digest of the motion, see `MotionDigest`; where no step of the run is missing."""
 MOST_STEPS = 10**12
 """Larger numbers are damage: simulated time would not hold them."""
 SIZE = 16
 """Bytes of the digest of a message."""
+_TOPICS = [(topic.name, topic in REPLAYED) for topic in RECORDED]
+"""Names of what is recorded, and whether the player puts it back."""
 
 
 def message_digest(raw: bytes) -> bytes:
@@ -130,11 +132,11 @@ class RunDigest:
     def add(self, step_id: StepId, messages: Mapping[str, bytes]) -> None:
         """Take in the messages of a step, by topic."""
         self._ids.append(step_id)
-        for topic in RECORDED:
-            if topic.name in messages:
-                digest = message_digest(messages[topic.name])
-                self._group.setdefault(topic.name, []).append(digest)
-                if topic in REPLAYED:
+        for name, replayed in _TOPICS:
+            if name in messages:
+                digest = message_digest(messages[name])
+                self._group.setdefault(name, []).append(digest)
+                if replayed:
                     self._whole.update(digest)
 
     def close_group(self) -> bytes | None:

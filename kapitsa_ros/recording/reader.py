@@ -96,6 +96,24 @@ class RunBag(StoredRun):
         """
         return self._joined(self._on(MOTION.name), 0)
 
+    @cached_property
+    def motion_counts(self) -> tuple[int, int]:
+        """Samples of the motion and its gaps: `motion.angle.size` and `motion.gaps`, in little memory.
+
+        Raises
+        ------
+        BagError
+            A block is not what its topic promises.
+
+        """
+        samples = gaps = 0
+        end = -1
+        for piece in self.motion_in_pieces(steps=100):
+            samples += piece.stamps_ns.size - (piece.stamps_ns[0] == end)
+            gaps += piece.gaps
+            end = piece.stamps_ns[-1]
+        return int(samples), gaps
+
     def motion_in_pieces(self, steps: int = 1000) -> Iterator[Motion]:
         """Yield the motion so many steps at a time, for a run that is larger than memory.
 

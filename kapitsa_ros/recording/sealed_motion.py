@@ -1,32 +1,30 @@
-"""The motion of a run alone, at the speed at which its bytes can be checked and unpacked."""
+"""The motion of a run alone, at the speed at which it can be unpacked and checked."""
 
 from __future__ import annotations
 
-from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kapitsa_ros.network.cdr import NUMBER_LENGTH_AT, decode_blocks, read_step_id
+from kapitsa_ros.network.cdr import POINT_SIZE, RATE_AT, block_layout, decode_block, read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import MOTION
+from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.motion import Motion, is_motion
+from kapitsa_ros.recording.motion_digest import motion_digest
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.storage.bag_files import METADATA, storage_files
 from kapitsa_ros.recording.storage.mcap_file import McapFile
-from kapitsa_ros.recording.storage.stored_message import StoredTable
+from kapitsa_ros.recording.storage.mcap_records import messages_in
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
     from os import PathLike
 
-    from kapitsa_ros.network.cdr import Blocks
+    from numpy.typing import NDArray
 
-_BATCH = 12
-"""Chunks that are decoded at once: few enough for the processor's cache."""
-_FIRST = 2**16
+_FIRST = 2**17
 """Samples that there is room for at first."""
 _LARGEST = 2**22
 """Bytes of a `metadata.yaml`."""
@@ -35,9 +33,9 @@ _LARGEST = 2**22
 def read_motion(path: str | PathLike[str], run: int | None = None) -> Motion:
     """Return the pendulum's motion in a bag: that of `RunBag`, without the rest of it.
 
-    The recorder gives the motion chunks of its own and states their SHA-256 in `metadata.yaml`. Where they match, they
-    are as they were written, whatever became of the rest, and nothing else is read. Everything else goes through
-    `RunBag`: other bags, damaged ones, runs with gaps.
+    The recorder gives the motion chunks of its own in MCAP and states its digest in `metadata.yaml`, see
+    `MotionDigest`. Where what is found in these chunks has it, it is the motion that was written, whatever became of
+    the rest, and nothing else is read. Everything else goes through `RunBag`: other bags, damaged ones, runs with gaps.
 
     Parameters
     ----------
@@ -56,74 +54,94 @@ def read_motion(path: str | PathLike[str], run: int | None = None) -> Motion:
     return RunBag(path, run).motion if motion is None else motion
 
 
+class _Blocks(NamedTuple):
+    """Where blocks of one size lie side by side in a chunk."""
+
+    message: slice
+    """The first of them."""
+    points: int
+    """Place of its first position."""
+    stride: int
+    """From one block to the next, bytes."""
+    number: int
+    samples: int
+    """Of a block, both ends included."""
+
+
 def _sealed_motion(folder: Path) -> Motion | None:
-    """Return the motion if its chunks are those that the recorder has sealed, and it has no gap."""
+    """Return the motion if it is the one whose digest the recorder has stated."""
     try:
         [path] = storage_files(folder)
         with (folder / METADATA).open('rb') as metadata:
             stated = metadata.read(_LARGEST)
         file = McapFile(path)
-        seal = sha256()
         try:
-            motion = _joined(_blocks(file, seal))
+            begin, period, (angle, rate) = _found(file)
         finally:
             file.close()
     except (BagError, WireError, OSError, ValueError):
         return None
-    # No other bytes have this digest, so it does not matter where in the text it stands.
-    return motion if seal.hexdigest().encode() in stated else None
-
-
-def _blocks(file: McapFile, seal: Any) -> Iterator[Blocks]:
-    batch: list[bytes] = []
-    for packed, content in file.chunks_of(MOTION.name):
-        seal.update(packed)
-        batch.append(content)
-        if len(batch) == _BATCH:
-            yield from _decoded(file, b''.join(batch))
-            batch.clear()
-    yield from _decoded(file, b''.join(batch))
-
-
-def _decoded(file: McapFile, content: bytes) -> Iterator[Blocks]:
-    for piece in file.messages_in(content) if content else ():
-        rows = piece.data if isinstance(piece, StoredTable) else np.frombuffer(piece.data, np.uint8)[None]
-        if rows.shape[1] <= NUMBER_LENGTH_AT:
-            raise WireError('a message is too short')
-        # Where numbers get a digit more, messages of one size are not laid out alike.
-        lengths = rows[:, NUMBER_LENGTH_AT]
-        parts = [rows] if (lengths == lengths[0]).all() else np.split(rows, np.flatnonzero(np.diff(lengths)) + 1)
-        for part in parts:
-            if (blocks := decode_blocks(part)) is not None:
-                yield blocks
-            elif len(part) > 1 or not read_step_id(part.tobytes()).end:
-                raise WireError('a block is laid out otherwise')
-
-
-def _joined(pieces: Iterator[Blocks]) -> Motion | None:
-    """Return the motion of blocks that follow one another; None where they do not, or are none.
-
-    A block begins with the sample at which the one before ended.
-    """
-    angle, rate, size = np.empty(_FIRST), np.empty(_FIRST), 0
-    begin = last = period = 0
-    for blocks in pieces:
-        stamps, times = blocks.stamps_ns, blocks.times_ns
-        if not size:
-            period, begin, last = int(times[1:2].sum()), int(stamps[0]), int(stamps[0] - times[-1])
-        in_line = (np.diff(stamps, prepend=last) == times[-1]).all()
-        if period <= 0 or not in_line or not np.array_equal(times, np.arange(times.size) * period):
-            return None
-        last, more = int(stamps[-1]), blocks.position[:, 1:].size
-        while size + more + 1 > angle.size:
-            for series in (angle, rate):
-                series.resize(2 * series.size, refcheck=False)  # nobody else has seen it
-        for series, values in ((angle, blocks.position), (rate, blocks.rate)):
-            if not size:
-                series[0] = values[0, 0]
-            series[1 + size : 1 + size + more].reshape(len(stamps), -1)[:] = values[:, 1:]
-        size += more
-    angle, rate = angle[: size + 1], rate[: size + 1]
-    if not size or not is_motion(angle, rate):
+    # No other motion has this digest, so it does not matter where in the text it stands.
+    if motion_digest(begin, period, angle, rate).encode() not in stated or not is_motion(angle, rate):
         return None
-    return Motion(np.arange(begin, begin + (size + 1) * period, period), angle, rate, 0, 0.0)
+    return Motion(np.arange(begin, begin + period * angle.size, period), angle, rate, 0, 0.0)
+
+
+def _found(file: McapFile) -> tuple[int, int, NDArray[np.float64]]:
+    """Return stamp of the first sample, period (ns), angle and rate (shape (2, N)) of what seems to be the motion.
+
+    Chunks of one size are taken to be laid out alike, and blocks to follow one another: the digest tells whether they
+    do. A block begins with the sample at which the one before ended.
+    """
+    series, size = np.empty((2, _FIRST)), 0
+    begin = period = 0
+    layouts: dict[int, list[_Blocks]] = {}
+    for content in file.chunks_of(MOTION.name):
+        if len(content) not in layouts:
+            layouts[len(content)] = _layout(bytes(content))
+        for blocks in layouts[len(content)]:
+            if not size:
+                begin, period = _times(bytes(content[blocks.message]))
+                series[:, 0] = np.ndarray(2, '<f8', content, blocks.points, RATE_AT)
+                size = 1
+            shape = (2, blocks.number, blocks.samples - 1)
+            more = shape[1] * shape[2]
+            if size + more > series.shape[1]:
+                series, old = np.empty((2, 2 * (size + more))), series
+                series[:, :size] = old[:, :size]
+            values = np.ndarray(shape, '<f8', content, blocks.points + POINT_SIZE, (RATE_AT, blocks.stride, POINT_SIZE))
+            series[:, size : size + more].reshape(shape)[:] = values
+            size += more
+    if not size:
+        raise WireError('no motion is there')
+    return begin, period, series[:, :size]
+
+
+def _layout(content: bytes) -> list[_Blocks]:
+    """Return where the blocks in a chunk lie; the end of a run has none."""
+    found: list[_Blocks] = []
+    for message in messages_in(content):
+        raw = content[message]
+        layout = block_layout(raw)
+        if layout is None and read_step_id(raw).end:
+            continue
+        if layout is None or layout[2] == 1:
+            raise WireError('a block is laid out otherwise, or has one sample')
+        _, at, samples = layout
+        new = _Blocks(message, message.start + at, 0, 1, samples)
+        last = found[-1] if found else new
+        stride = new.points - last.points - (last.number - 1) * last.stride
+        if found and samples == last.samples and stride in (last.stride, last.stride or stride):
+            found[-1] = last._replace(stride=stride, number=last.number + 1)
+        else:
+            found.append(new)
+    return found
+
+
+def _times(raw: bytes) -> tuple[int, int]:
+    """Return stamp and distance of the samples of a block, ns."""
+    block = decode_block(raw)
+    period = 0 if block is None else int(block.times_ns[1])
+    if not 0 < period < SECOND:
+        raise WireError('the samples of a block are not a motion')
+    return stamp_of(raw), period

@@ -9,7 +9,6 @@ import fcntl
 import os
 from abc import ABC, abstractmethod
 from contextlib import suppress
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,11 +36,6 @@ class StorageControl(ABC):
         self._storage.path = self._path
         self._lock: int | None = _locked(self._folder)
         _sync_file(self._folder.parent)
-
-    @property
-    def seal(self) -> str | None:
-        """SHA-256 over what was written apart, as it stands in the file; None where nothing stands apart."""
-        return None
 
     def write(self, connection: Connection, stamp_ns: int, raw: bytes, *, apart: bool) -> None:  # noqa: ARG002 - of MCAP
         """Write a message; `apart` from others, where the storage has a way to read them alone then."""
@@ -88,12 +82,6 @@ class McapControl(StorageControl):
     def __init__(self, writer: Writer) -> None:
         super().__init__(writer)
         self._apart: list[tuple[Connection, int, bytes]] = []
-        self._hash = sha256()
-
-    @property
-    def seal(self) -> str | None:
-        """SHA-256 over the content of the chunks of what was written apart."""
-        return self._hash.hexdigest()
 
     def write(self, connection: Connection, stamp_ns: int, raw: bytes, *, apart: bool) -> None:
         """Write a message, or keep it until the chunk is closed."""
@@ -107,11 +95,10 @@ class McapControl(StorageControl):
         if self._storage.chunk.bio.tell():
             self._storage.close_chunk()
         if self._apart:
-            self._storage.on_chunk = self._hash.update
             for each in self._apart:
                 self._writer.write(*each)
             self._storage.close_chunk()
-            self._storage.on_chunk, self._apart = None, []
+            self._apart = []
         self._storage.bio.flush()
 
     def sync(self) -> None:

@@ -18,6 +18,7 @@ from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.bag_writer import BagWriter
 from kapitsa_ros.recording.digest import DIGEST_KEY, DIGEST_TOPIC, LAST_GROUP_KEY, MOTION_KEY, RunDigest
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.motion_digest import MotionDigest
 from kapitsa_ros.recording.processor import PROCESSOR_KEY, processor_text
 from kapitsa_ros.recording.storage_control import STORAGE_CONTROLS
 
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
 
 STORAGES = tuple(STORAGE_CONTROLS)
+COMPRESSIONS = {'zstd': CompressionMode.STORAGE, 'none': CompressionMode.NONE}
+"""Of the chunks of MCAP."""
 FORMAT = 2
 """Of the bags written; those that came before it say none. A reader takes its own and what came before."""
 FORMAT_KEY, COMPLETE = 'format', 'complete'
@@ -66,6 +69,8 @@ class RunWriter:
         JSON text by node.
     steps_a_chunk
         So many steps are kept back at most, and no more than half a simulated second.
+    compression
+        Of the chunks of MCAP: `zstd` or `none`; sqlite3 has none.
     clock
         Wall time in seconds; tells when to put on disk what was given to it.
     processor
@@ -85,6 +90,7 @@ class RunWriter:
         settings: Mapping[str, str],
         steps_a_chunk: int,
         *,
+        compression: str = 'zstd',
         clock: Callable[[], float] = time.monotonic,
         processor: str | None = None,
     ) -> None:
@@ -98,12 +104,13 @@ class RunWriter:
         self._digest = RunDigest(settings)
         self._last_id: StepId | None = None
         self._gapless = True
+        self._motion = MotionDigest()
         self._clock = clock
         self._synced_at, self._to_sync = clock(), False
         try:
             self._writer = BagWriter(path, version=9, storage_plugin=StoragePlugin[storage.upper()])
             if storage == 'mcap':
-                self._writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)
+                self._writer.set_compression(COMPRESSIONS[compression], CompressionFormat.ZSTD)
             self._writer.open()
             self._storage = STORAGE_CONTROLS[storage](self._writer)
         except (WriterError, OSError, sqlite3.Error) as error:
@@ -136,6 +143,8 @@ class RunWriter:
             step_id = read_step_id(next(iter(messages.values())))
             self._gapless = self._gapless and step_id.follows(self._last_id) and MOTION.name in messages
             self._last_id = step_id
+            if self._gapless and not step_id.end:
+                self._motion.add(messages[MOTION.name])
             self._digest.add(step_id, messages)
             self._steps += 1
             self._in_chunk += 1
@@ -186,8 +195,8 @@ class RunWriter:
             if self._processor:
                 self._writer.set_custom_data(PROCESSOR_KEY, self._processor)
             self._storage.settle()
-            if complete and self._gapless and (seal := self._storage.seal) is not None:
-                self._writer.set_custom_data(MOTION_KEY, seal)
+            if complete and self._gapless and (motion := self._motion.value) is not None:
+                self._writer.set_custom_data(MOTION_KEY, motion)
             self._writer.close()
             self._storage.sync_closed()
         except (OSError, sqlite3.Error) as error:

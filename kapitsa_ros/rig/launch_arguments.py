@@ -54,6 +54,7 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
             rate=_read('rate', arguments),
             seed=_read('seed', arguments),
             bags=Path(arguments['bags']).expanduser(),
+            compression=arguments['compression'],
         )
         prepare(setup)
     return setup

@@ -34,6 +34,7 @@ class Setup:
     rate: float = 0.0
     bags: Path = Path('runs')
     storage: str = 'mcap'
+    compression: str = 'zstd'
     roles: tuple[str, ...] = ROLE_NAMES
     composed: bool = False
     """Whether the nodes share one process."""
@@ -55,6 +56,7 @@ def parameters(setup: Setup) -> dict[str, Any]:
         **asdict(RigParameters(seed=setup.seed, rate=setup.rate)),
         'bags': str(setup.bags),
         'storage': setup.storage,
+        'compression': setup.compression,
     }
 
 

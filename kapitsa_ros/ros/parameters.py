@@ -36,7 +36,8 @@ if TYPE_CHECKING:
 _LEAST = 1e-6
 """Stands for "above 0" in a range of ROS, which contains its ends."""
 _OF_ROLES = {
-    'expect', 'protocol', 'release', 'steps', 'bags', 'storage', 'steps_a_chunk', 'start_type_description_service',
+    'expect', 'protocol', 'release', 'steps', 'bags', 'storage', 'compression', 'steps_a_chunk',
+    'start_type_description_service',
     *(item.name for kind in (Plant, JigsawParameters, StepParameters, RigParameters) for item in describe(kind)),
     *(item.name for kind in (StrobeSettings, StopwatchSettings, Protocol) for item in describe(kind)),
 }  # fmt: skip

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from domain_of_process import domain_of
+from mcap.reader import make_reader
 
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network import registry
@@ -20,7 +22,6 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.resources import resource_path
-from kapitsa_ros.rig.domain import HIGHEST
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.rig_client import RigClient
 from kapitsa_ros.units import RPM
@@ -99,19 +100,26 @@ def test_bags_are_replayed_to_the_same_digits(kapitsa: Kapitsa, recorded: Record
         assert replayed['realtime_factor'] < 1.05 * rate
 
 
+@pytest.mark.slow
+def test_live_replayed_and_offline_the_result_has_the_same_bytes_on_a_busy_machine(
+    kapitsa: Kapitsa,
+    tmp_path: Path,
+    busy: None,  # noqa: ARG001
+) -> None:
+    def text(values: dict[str, Any]) -> str:
+        return json.dumps(comparable(values), sort_keys=True)
+
+    live = text(kapitsa('experiment', '--preset', 'as_built_1997', '--seed', 5, '--bags', tmp_path, '--json').json)
+    bags = sorted(tmp_path.iterdir())
+    assert text(kapitsa('analyse', *bags, '--json').json) == live
+    for rate in (0, 1, 20):
+        assert text(kapitsa('replay', *bags, '--rate', rate, '--json').json) == live, f'at rate {rate}'
+
+
 def test_runs_can_be_replayed_in_any_order(kapitsa: Kapitsa, recorded: Recorded) -> None:
     first, _, last = sorted(recorded[0].iterdir())
     bags = [last, first, first]
     assert comparable(kapitsa('replay', *bags, '--json').json) == comparable(analyse_bags(bags))
-
-
-def domain_of(pid: int) -> int:
-    """Return the domain that a process is in; DDS gives each 250 ports (RTPS specification, 9.6.1.1)."""
-    links = [str(path.readlink()) for path in Path(f'/proc/{pid}/fd').iterdir()]
-    rows = [line.split() for line in Path('/proc/net/udp').read_text().splitlines()[1:]]
-    ports = [int(row[1].split(':')[1], 16) for row in rows if f'socket:[{row[9]}]' in links]
-    [domain] = {(port - 7400) // 250 for port in ports if 7400 <= port < 7400 + 250 * (HIGHEST + 1)}
-    return domain
 
 
 def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> None:
@@ -125,7 +133,9 @@ def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> 
     assert process.stderr is not None
     assert 'run 1 of 1' in next(process.stderr)
     with on_loopback():
-        client = RigClient(domain_of(process.pid))
+        domain = domain_of(process.pid)
+        assert domain is not None
+        client = RigClient(domain)
     with client:
         while not client.is_served():
             time.sleep(0.01)  # discovery takes its own time, and tells nobody
@@ -146,7 +156,13 @@ def test_sqlite3_on_request(kapitsa: Kapitsa, recorded: Recorded, tmp_path: Path
 
 
 def test_ideal_instruments_read_the_nonlinear_truth(kapitsa: Kapitsa, tmp_path: Path) -> None:
-    values = kapitsa('experiment', '--instruments', 'ideal', '--bags', tmp_path, '--json').json
+    how = ['--instruments', 'ideal', '--compression', 'none']
+    values = kapitsa('experiment', *how, '--bags', tmp_path, '--json').json
+    for file in tmp_path.glob('*/*.mcap'):
+        with file.open('rb') as stream:
+            summary = make_reader(stream).get_summary()
+        assert summary is not None
+        assert {chunk.compression for chunk in summary.chunk_indexes} == {''}
     for run, rpm in zip(values['runs'], (2240, 2640, 2780), strict=True):
         truth = slow_frequency_nonlinear(Plant(), rpm * RPM, 0.12) / RPM
         assert run['slow_rpm'] == pytest.approx(truth, rel=1e-3)

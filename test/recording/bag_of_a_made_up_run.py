@@ -49,12 +49,13 @@ def write(
     path: Path,
     *,
     storage: str = 'mcap',
+    compression: str = 'zstd',
     leave_out: int | None = None,
     end: bool = True,
     samples: int = 100,
     settings: dict[str, str] = SETTINGS,
 ) -> Path:
-    writer = RunWriter(path, storage, settings, steps_a_chunk=5)
+    writer = RunWriter(path, storage, settings, steps_a_chunk=5, compression=compression)
     for step in range(12):
         if step != leave_out:
             writer.write_step(CLOCK.start_ns(StepId(1, step)), step_messages(StepId(1, step), samples))

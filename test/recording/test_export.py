@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from click.testing import CliRunner
 from mcap.reader import make_reader
 from pyarrow import parquet
@@ -75,6 +76,14 @@ def test_netcdf(tmp_path: Path, run: RunBag) -> None:
         assert file.variables['time_pendulum_motion'].units == b's'
         assert file.variables['stopwatch_kind'][:].tobytes().decode().startswith('timed')
         assert json.loads(file.settings)['stopwatch']['swings'] == 3
+    with xr.open_dataset(path, engine='scipy') as found:
+        assert found.pendulum_angle_rad.to_numpy().tobytes() == run.motion.angle.tobytes()
+        assert found.pendulum_angle_rad.attrs['units'] == 'rad'
+        assert found.stopwatch_displayed_s.to_numpy().tolist() == [2.14]
+        own = run.to_xarray()
+        for name in own.data_vars:
+            if name != 'stopwatch_kind':  # NetCDF has characters, not texts
+                xr.testing.assert_equal(found[name], own[name])
 
 
 def test_a_bag_for_viewers_has_one_sample_a_message(tmp_path: Path, run: RunBag) -> None:

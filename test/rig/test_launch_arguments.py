@@ -21,13 +21,13 @@ CHECKOUT = Path(__file__).parents[2]
 PLAYED = {'rate': '1.0', 'start': '0.0', 'end': '', 'loop': 'false', 'start_paused': 'false'}
 SAID = {
     'preset': 'bearing', 'plant': '', 'instruments': '1997', 'instrument': '', 'protocol': '1997', 'rate': '2',
-    'seed': '7', 'bags': 'runs',
+    'seed': '7', 'bags': 'runs', 'compression': 'none',
 }  # fmt: skip
 
 
 def test_text_becomes_a_rig(tmp_path: Path) -> None:
     setup = rig_from(SAID | {'bags': str(tmp_path / 'new')})
-    assert (setup.plant.coulomb, setup.rate, setup.seed) == (0.05, 2.0, 7)
+    assert (setup.plant.coulomb, setup.rate, setup.seed, setup.compression) == (0.05, 2.0, 7, 'none')
     assert setup.bags == tmp_path / 'new'
     assert setup.bags.is_dir()
 

@@ -1,6 +1,10 @@
 """Recorded runs played like a recording: paused, stepped, sought, in part and in a loop, and analysed the same."""
 
+import json
 import os
+import signal
+import subprocess
+import sys
 import termios
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,6 +14,7 @@ from typing import Any
 
 import pytest
 import rclpy
+from domain_of_process import domain_of
 from rcl_interfaces.srv import SetParameters
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -77,24 +82,30 @@ class Audience:
 
 
 @contextmanager
+def audience_in(domain: int) -> Iterator[Audience]:
+    context = Context()
+    with on_loopback():
+        rclpy.init(context=context, domain_id=domain)
+        node = Node('audience', context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        yield Audience(node, executor)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        context.try_shutdown()
+
+
+@contextmanager
 def audience_of(replay: Replay, bags: list[Path] = SHIPPED[:1]) -> Iterator[tuple[Audience, SessionMonitor, NodeGroup]]:
     """Play bags to somebody; in a domain of their own."""
-    with reserved_domain() as domain:
-        context = Context()
+    with reserved_domain() as domain, audience_in(domain) as audience:
         with on_loopback():
-            rclpy.init(context=context, domain_id=domain)
             monitor = SessionMonitor(domain)
-            node = Node('audience', context=context)
-        executor = SingleThreadedExecutor(context=context)
-        executor.add_node(node)
         told = replay_parameters(bags, replay) | {'expect': [*REPLAY_NAMES, 'session_monitor']}
-        try:
-            with monitor, NodeGroup(REPLAY_NAMES, told, domain) as nodes:
-                yield Audience(node, executor), monitor, nodes
-        finally:
-            executor.shutdown()
-            node.destroy_node()
-            context.try_shutdown()
+        with monitor, NodeGroup(REPLAY_NAMES, told, domain) as nodes:
+            yield audience, monitor, nodes
 
 
 def test_playback_is_all_runs_end_to_end() -> None:
@@ -172,6 +183,29 @@ def test_a_loop_shows_the_part_again_and_again_and_tells_the_result_once() -> No
         assert min(audience.seconds) > 1.0
         assert max(audience.seconds) <= 2.1 + 1e-6
         assert len(monitor.runs) == 1
+
+
+@pytest.mark.slow
+def test_the_command_line_plays_a_part_in_a_loop_until_it_is_interrupted(
+    eventually: Callable[[Callable[[], Any]], None],
+) -> None:
+    how = ['--start', '1', '--end', '2', '--rate', '10', '--loop', '--start-paused', '--json']
+    command = [sys.executable, '-m', 'kapitsa_ros', 'replay', str(SHIPPED[0]), *how]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        eventually(lambda: domain_of(process.pid) is not None)
+        with audience_in(domain_of(process.pid) or 0) as audience:
+            assert audience.call('step').startswith('run 1 step 1')
+            audience.call('resume')
+            audience.watch(lambda: sum(later < earlier for earlier, later in pairwise(audience.seconds)) >= 2)
+            assert not audience.set('rate', 50.0)
+            assert not audience.set('seek', 1.5)
+            assert audience.call('pause').startswith('run 1 step 1')
+        assert process.stdout is not None
+        told = json.loads(process.stdout.readline())
+        process.send_signal(signal.SIGINT)
+    assert min(audience.seconds) > 1.0
+    assert max(audience.seconds) <= 2.1 + 1e-6
+    assert told['played_s'] == [1.0, 2.0]
 
 
 @pytest.mark.parametrize('rate', [0.0, 1000.0])

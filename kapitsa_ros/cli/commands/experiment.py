@@ -19,7 +19,7 @@ from kapitsa_ros.cli.options import (
 )
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.recording.writer import STORAGES
+from kapitsa_ros.recording.writer import COMPRESSIONS, STORAGES
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -37,6 +37,13 @@ if TYPE_CHECKING:
 @click.option('--protocol', default='1997', show_default=True, help='name of a shipped protocol, or a YAML file')
 @rate_option
 @click.option('--storage', type=click.Choice(STORAGES), default='mcap', show_default=True, help='of the bags')
+@click.option(
+    '--compression',
+    type=click.Choice(tuple(COMPRESSIONS)),
+    default='zstd',
+    show_default=True,
+    help='of the chunks in MCAP; none: larger files, read faster',
+)
 @composed_option
 @assumption_option
 @json_option
@@ -49,6 +56,7 @@ def experiment(
     protocol: str,
     rate: float,
     storage: str,
+    compression: str,
     composed: bool,
     assumptions: Assumptions,
     as_json: bool,
@@ -68,6 +76,7 @@ def experiment(
             bags=bags,
             rate=rate,
             storage=storage,
+            compression=compression,
             composed=composed,
             assumptions=assumptions,
             on_progress=on_progress,

@@ -5,6 +5,7 @@ The records are those of the `mcap` package; its readers want a whole file, or g
 
 from __future__ import annotations
 
+import os
 import struct
 from array import array
 from collections import OrderedDict
@@ -100,10 +101,10 @@ class McapFile:
             else:
                 yield table
 
-    def chunks_of(self, topic: str) -> Iterator[tuple[bytes, bytes]]:
-        """Yield the chunks that the index has for one topic alone: as they stand in the file, and unpacked.
+    def chunks_of(self, topic: str) -> Iterator[bytes | bytearray]:
+        """Yield the content of the chunks that the index has for one topic alone; the next may overwrite it.
 
-        Nothing is checked: whoever knows what there has to be can tell by the first.
+        Nothing is checked: whoever knows what there has to be can tell by that.
 
         Raises
         ------
@@ -111,28 +112,24 @@ class McapFile:
             A chunk is damaged.
 
         """
-        unpacker = zstandard.ZstdDecompressor()
-        alone: set[int] = set()
+        unpacker, buffer = zstandard.ZstdDecompressor(), bytearray()
+        known: set[int] = set()
+        end = 0
         for indexed in self._summary():
-            alone = alone or {number for number, (name, _) in self._channels.items() if name == topic}
-            if indexed.channels == alone:
-                size = indexed.size - HEAD.size
-                if not 0 < size <= 2 * LARGEST or indexed.start > self._size:
-                    raise DamageError('a record cannot be')
-                chunk = parse_chunk(self._bytes(indexed.start + HEAD.size, size))
-                yield chunk.data, unpack_chunk(*chunk, unpacker)
-
-    def messages_in(self, content: bytes) -> list[StoredMessage | StoredTable]:
-        """Return what is in an unpacked chunk, or in several one after the other.
-
-        Raises
-        ------
-        ValueError
-            It is damaged.
-
-        """
-        table = self._as_table(content)
-        return list(self._in_chunk(_OUTSIDE, content)) if table is None else [table]
+            known = known or {number for number, (name, _) in self._channels.items() if name == topic}
+            if indexed.only_channel not in known:
+                continue
+            at, size = indexed.content_at, indexed.packed
+            if not end <= at <= self._size - size or size > LARGEST:
+                raise DamageError('a chunk is not where the index has it')
+            end = at + size
+            if indexed.compression:
+                yield unpack_chunk(self._bytes(at, size), indexed.compression, indexed.unpacked, 0, unpacker)
+                continue
+            if len(buffer) != size:
+                buffer = bytearray(size)
+            self._fill(buffer, at)
+            yield buffer
 
     def _records(self) -> Iterator[tuple[int, int, bytes]]:
         """Yield opcode, place and content of the records that can be read."""
@@ -288,9 +285,22 @@ class McapFile:
 
     def _bytes(self, at: int, size: int) -> bytes:
         try:
-            if self._file is None:
-                self._file = self.path.open('rb')
-            self._file.seek(max(at, 0))
-            return self._file.read(size)
+            file = self._opened
+            file.seek(max(at, 0))
+            return file.read(size)
         except OSError as error:
             raise BagError(f'{self.path} cannot be read: {error.strerror}') from error
+
+    def _fill(self, buffer: bytearray, at: int) -> None:
+        try:
+            filled = os.preadv(self._opened.fileno(), [buffer], at)
+        except OSError as error:
+            raise BagError(f'{self.path} cannot be read: {error.strerror}') from error
+        if filled < len(buffer):
+            raise DamageError('a chunk is cut off')
+
+    @property
+    def _opened(self) -> BinaryIO:
+        if self._file is None:
+            self._file = self.path.open('rb')
+        return self._file

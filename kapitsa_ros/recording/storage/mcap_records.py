@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -17,7 +18,10 @@ HEAD = struct.Struct('<BQ')
 _CHUNK = struct.Struct('<16xQII')
 _LENGTH = struct.Struct('<Q')
 _CHUNK_INDEX = struct.Struct('<16xQQI')
+_PACKED, _SIZES = struct.Struct('<8xI'), struct.Struct('<QQ')
 _CHANNEL = struct.Struct('<HQ')
+_BEFORE_DATA = 22
+"""Bytes of a message's own record before what was recorded."""
 
 
 class DamageError(ValueError):
@@ -40,7 +44,17 @@ class IndexedChunk(NamedTuple):
     start: int
     size: int
     """Of its record, bytes."""
-    channels: frozenset[int]
+    only_channel: int | None
+    """Of its messages; None where they have several, or it has none."""
+    compression: str
+    packed: int
+    """Bytes that it has in the file."""
+    unpacked: int
+
+    @property
+    def content_at(self) -> int:
+        """Where its content begins in the file."""
+        return self.start + HEAD.size + _CHUNK.size + len(self.compression) + _LENGTH.size
 
 
 def records(content: bytes) -> Iterator[tuple[int, bytes]]:
@@ -61,6 +75,22 @@ def records(content: bytes) -> Iterator[tuple[int, bytes]]:
         if at > len(content):
             raise DamageError('a record is cut off')
         yield op, content[at - size : at]
+
+
+def messages_in(content: bytes) -> Iterator[slice]:
+    """Yield where in an unpacked chunk the data of each message lie.
+
+    Raises
+    ------
+    DamageError
+        A record is cut off.
+
+    """
+    at = 0
+    for op, body in records(content):
+        at += HEAD.size + len(body)
+        if op == Opcode.MESSAGE:
+            yield slice(at - len(body) + _BEFORE_DATA, at)
 
 
 def parse_chunk(body: bytes) -> PackedChunk:
@@ -89,9 +119,13 @@ def parse_chunk_index(body: bytes) -> IndexedChunk:
     """Read the index of a chunk; see `parse_chunk`."""
     try:
         start, size, length = _CHUNK_INDEX.unpack_from(body)
-        channels = _CHANNEL.iter_unpack(body[_CHUNK_INDEX.size : _CHUNK_INDEX.size + length])
-        return IndexedChunk(start, size, frozenset(channel for channel, _ in channels))
-    except struct.error as error:
+        at = _CHUNK_INDEX.size + length
+        only = _CHANNEL.unpack_from(body, _CHUNK_INDEX.size)[0] if length == _CHANNEL.size else None
+        (name,) = _PACKED.unpack_from(body, at)
+        at += _PACKED.size + name
+        compression = body[at - name : at].decode()
+        return IndexedChunk(start, size, only, compression, *_SIZES.unpack_from(body, at))
+    except (struct.error, UnicodeDecodeError) as error:
         raise DamageError('a ChunkIndex is none') from error
 
 
