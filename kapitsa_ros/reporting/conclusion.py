@@ -67,5 +67,5 @@ def _of_the_fit(rpm: float) -> str:
     return (
         f'The fit of 1997 gives {rpm:.0f} RPM. It extrapolates far beyond the readings and scatters with them: on an '
         f'ideal rod, with the instruments and speeds of 1997, it gives {low:.0f} to {high:.0f} RPM (16 to 84 % of '
-        f'{len(lines)} experiments), so {verdict}.'
+        f'the {len(lines)} experiments that give a line), so {verdict}.'
     )

@@ -210,6 +210,7 @@ def test_uncertainty_and_discussion_follow_from_the_numbers(content, page, runs)
     assert 'Most of the uncertainty comes from play D' in text
     assert 'The interval holds the exact threshold of the plant simulated' in text
     _, low, high = content.trials[0].inverse_ols
+    assert f'16 to 84 % of the {content.trials[0].lines} experiments that give a line' in text
     is_within = low <= content.estimates[0].of_1997 <= high
     assert ('as a deviation of the critical speed they are not significant' in text) == is_within
     assert ('lie outside of it' in text) != is_within

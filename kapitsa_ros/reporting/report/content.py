@@ -63,6 +63,8 @@ class Trial:
     campaign: Campaign
     inverse_ols: tuple[float, float, float]
     """By the fit of 1997, rad/s: median, 16th and 84th percentile; nan where it gave none."""
+    lines: int
+    """Experiments in which it gave one."""
     plan: Plan | None
     """The cheapest protocol for the target, instead of that of 1997; None where there is none."""
 
@@ -198,6 +200,7 @@ def _trial(name: str, plant: Plant, outcomes: Sequence[Outcome], plans: dict[Pla
         truth=truth,
         campaign=summarise(outcomes, truth),
         inverse_ols=(middle, low, high),
+        lines=len(lines),
         plan=_plan(plant, plans),
     )
 
