@@ -61,6 +61,7 @@ def test_by_launch(tmp_path: Path) -> None:
     arguments = {
         'preset': 'bearing', 'plant': 'length=10in coulomb=0.3', 'instruments': 'ideal', 'protocol': '1997',
         'instrument': 'reaction_time=200ms dial_error=0.01', 'rate': '0', 'seed': '1', 'bags': str(tmp_path / 'A'),
+        'compression': 'zstd',
     }  # fmt: skip
     setup = rig_from(arguments)
     assert setup.plant == Plant(length=0.254, damping=0.1, coulomb=0.3)
