@@ -227,12 +227,9 @@ def test_a_rod_is_described_as_a_person_says_it() -> None:
 
 def test_a_bag_that_counts_twice_is_told_of(tmp_path: Path) -> None:
     pytest.importorskip('matplotlib')
-    bags = sorted((CHECKOUT / 'bags').glob('run_*'))
-    assert (
-        kr.report([*bags, str(bags[0])], tmp_path / 'r.html', experiments=1)
-        .warnings[0]
-        .startswith(f'{bags[0].name} is given more')
-    )
+    bag = min((CHECKOUT / 'bags').glob('run_*'))
+    told = kr.report([bag, str(bag)], tmp_path / 'r.html').warnings[0]
+    assert told.startswith(f'{bag.name} is given more')
 
 
 def test_what_was_allowed_for_or_left_out_stands_beside_the_numbers() -> None:
