@@ -74,15 +74,15 @@ class Motion:
         return {'time_s': seconds, 'angle_rad': self.angle, 'rate_rad_s': self.rate}
 
 
-def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]], begin: int = 0) -> Motion:
+def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]], begin_ns: int | None = None) -> Motion:
     """Return the motion that blocks make, of which each holds both its ends.
 
     Parameters
     ----------
     blocks
         Step, stamp (ns) and motion of each, in the order of the steps.
-    begin
-        The step that ought to be the first.
+    begin_ns
+        Stamp at which they ought to begin; None where that is not known but for the number of the first step, 0.
 
     Raises
     ------
@@ -95,8 +95,10 @@ def joined_motion(blocks: Iterable[tuple[int, int, SampledMotion]], begin: int =
     late, count = 0.0, 0
     for step, stamp, samples in blocks:
         times = np.arange(samples.position.size) * round(samples.period * SECOND)
-        if not stamps and step > begin:
-            count, late = 1, (step - begin) * samples.period * (samples.position.size - 1)
+        if not stamps and begin_ns is not None and stamp > begin_ns:
+            count, late = 1, (stamp - begin_ns) / SECOND - samples.period
+        elif not stamps and begin_ns is None and step > 0:
+            count, late = 1, step * samples.period * (samples.position.size - 1)
         stamps.append(stamp + times)
         angles.append(samples.position)
         rates.append(samples.rate)

@@ -94,7 +94,7 @@ class RunBag(StoredRun):
             A block is not what its topic promises.
 
         """
-        return self._joined(self._on(MOTION.name), 0)
+        return self._joined(self._on(MOTION.name))
 
     @cached_property
     def motion_counts(self) -> tuple[int, int]:
@@ -125,14 +125,16 @@ class RunBag(StoredRun):
             A block is not what its topic promises.
 
         """
-        blocks, begin = self._on(MOTION.name), 0
+        blocks, end_ns = self._on(MOTION.name), None
         while piece := list(islice(blocks, steps)):
-            yield self._joined(piece, begin)
-            begin = piece[-1][0].step + 1
+            motion = self._joined(piece, end_ns)
+            end_ns = int(motion.stamps_ns[-1])
+            yield motion
 
-    def _joined(self, blocks: Iterable[tuple[StepId, bytes]], begin: int) -> Motion:
+    def _joined(self, blocks: Iterable[tuple[StepId, bytes]], begin_ns: int | None = None) -> Motion:
+        decoded = ((step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in blocks)
         try:
-            return joined_motion(((step_id.step, stamp_of(raw), MOTION.decode(raw)) for step_id, raw in blocks), begin)
+            return joined_motion(decoded, begin_ns)
         except (WireError, OverflowError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
 

@@ -13,6 +13,8 @@ from bag_of_a_made_up_run import CLOCK, step_messages, write
 from kapitsa_ros.network.cdr import decode_block, encode_block
 from kapitsa_ros.network.registry import MOTION, PIVOT
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.physics.sampled_motion import SampledMotion
+from kapitsa_ros.recording.motion import joined_motion
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.writer import RunWriter
 
@@ -93,6 +95,18 @@ def test_samples_are_counted_in_pieces(tmp_path: Path, leave_out: int | None) ->
     assert bag.motion_counts == (bag.motion.angle.size, bag.motion.gaps)
 
 
+@pytest.mark.parametrize('late_from', [3, 4])
+def test_a_gap_that_no_number_tells_of_counts_where_pieces_meet_too(late_from: int) -> None:
+    """Two pieces of four blocks, the second of which begins with block 4."""
+    still = SampledMotion(1e-3, *np.zeros((3, 101)))
+    late = [500_000_000 if number >= late_from else 0 for number in range(8)]
+    blocks = [(number, number * 100_000_000 + late[number], still) for number in range(8)]
+    whole, first = joined_motion(blocks), joined_motion(blocks[:4])
+    second = joined_motion(blocks[4:], int(first.stamps_ns[-1]))
+    assert first.gaps + second.gaps == whole.gaps == 1
+    assert first.lost + second.lost == pytest.approx(whole.lost, abs=1e-9)
+
+
 def test_pieces_make_the_motion(tmp_path: Path) -> None:
     """A step is lost where a piece ends, and one within a piece."""
     for left_out in (None, 4, 6):
@@ -102,7 +116,7 @@ def test_pieces_make_the_motion(tmp_path: Path) -> None:
         rest = [piece.angle[0 if left_out == 4 and number == 1 else 1 :] for number, piece in enumerate(pieces[1:], 1)]
         assert np.concatenate([pieces[0].angle, *rest]).tobytes() == whole.angle.tobytes()
         assert sum(piece.gaps for piece in pieces) == whole.gaps == (left_out is not None)
-        assert sum(piece.lost for piece in pieces) == pytest.approx(whole.lost, abs=0.0011)
+        assert sum(piece.lost for piece in pieces) == pytest.approx(whole.lost, abs=1e-9)
 
 
 def test_memory_grows_by_the_message_and_not_by_the_byte(tmp_path: Path) -> None:
