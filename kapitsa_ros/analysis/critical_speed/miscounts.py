@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import logsumexp
 
 from kapitsa_ros.analysis.critical_speed.evidence import by_reading, evidence_of
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR, Likelihood
-from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, log_sum, rods_of_prior
+from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, rods_of_prior
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency
 
 if TYPE_CHECKING:
@@ -66,9 +67,11 @@ def probable_counts(
     places = _WRONG.size ** np.arange(len(index))[::-1]
     candidates = np.unique(best @ places)[:, None] // places % _WRONG.size
     each = np.arange(len(index))
-    weight = np.array([log_sum(log_likelihood[candidate, :, each].sum(axis=0) + of_bounds) for candidate in candidates])
+    weight = np.array(
+        [logsumexp(log_likelihood[candidate, :, each].sum(axis=0) + of_bounds) for candidate in candidates]
+    )
     order = np.argsort(-weight)[:_MOST]
-    kept = order[weight[order] - log_sum(weight) > math.log(_NEGLIGIBLE)]
+    kept = order[weight[order] - logsumexp(weight) > math.log(_NEGLIGIBLE)]
     return tuple(_counts(rows, index, _WRONG[candidates[number]], assumptions) for number in kept) or as_noted
 
 

@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import gammaincinv, gammaln, ndtr, ndtri
+from scipy.special import gammaincinv, gammaln, logsumexp, ndtr, ndtri
 
 from kapitsa_ros.physics.theory.play import play_amplitude_ratio
 
@@ -119,17 +119,17 @@ def posterior(
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
         proposed = prior.log_density(z) if root is None else _log_student(z, mean, root)
         log_weight = log_likelihood + (prior.log_density(z) - proposed)[:, None]
-        of_rod = log_sum(log_weight, axis=1)
+        of_rod = logsumexp(log_weight, axis=1)
         if _effective(of_rod) >= _ENOUGH:
             break
         tempered = of_rod
         while _effective(tempered) < _WORTH:
             tempered = 0.7 * tempered
-        share = np.exp(tempered - log_sum(tempered))
+        share = np.exp(tempered - logsumexp(tempered))
         mean = share @ z
         spread = 1.3 * ((z - mean).T * share) @ (z - mean)
         root = np.asarray(np.linalg.cholesky(spread + 1e-12 * np.eye(_DIMENSIONS)), dtype=np.float64)
-    total = float(log_sum(log_weight))
+    total = float(logsumexp(log_weight))
     weight = np.exp(log_weight - total)
     each = weight.sum(axis=1)
     exact = likelihood.exact_threshold(
@@ -292,15 +292,9 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
     return threshold, log_likelihood
 
 
-def log_sum(logarithms: Array, axis: int | None = None) -> Array:
-    """Return ln of a sum of what logarithms are given of, finite ones."""
-    highest = logarithms.max(axis=axis, keepdims=True)
-    return np.asarray(np.squeeze(highest, axis) + np.log(np.exp(logarithms - highest).sum(axis=axis)))
-
-
 def _effective(log_weight: Array) -> float:
     """Return how many of weighted rods count (Kish)."""
-    return float(np.exp(2.0 * log_sum(log_weight) - log_sum(2.0 * log_weight)))
+    return float(np.exp(2.0 * logsumexp(log_weight) - logsumexp(2.0 * log_weight)))
 
 
 def _log_student(z: Array, mean: Array, root: Array) -> Array:
