@@ -192,17 +192,19 @@ def test_the_command_line_plays_a_part_in_a_loop_until_it_is_interrupted(
     how = ['--start', '1', '--end', '2', '--rate', '10', '--loop', '--start-paused', '--json']
     command = [sys.executable, '-m', 'kapitsa_ros', 'replay', str(SHIPPED[0]), *how]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-        eventually(lambda: domain_of(process.pid) is not None)
-        with audience_in(domain_of(process.pid) or 0) as audience:
-            assert audience.call('step').startswith('run 1 step 1')
-            audience.call('resume')
-            audience.watch(lambda: sum(later < earlier for earlier, later in pairwise(audience.seconds)) >= 2)
-            assert not audience.set('rate', 50.0)
-            assert not audience.set('seek', 1.5)
-            assert audience.call('pause').startswith('run 1 step 1')
-        assert process.stdout is not None
-        told = json.loads(process.stdout.readline())
-        process.send_signal(signal.SIGINT)
+        try:
+            eventually(lambda: domain_of(process.pid) is not None)
+            with audience_in(domain_of(process.pid) or 0) as audience:
+                assert audience.call('step').startswith('run 1 step 1')
+                audience.call('resume')
+                audience.watch(lambda: sum(later < earlier for earlier, later in pairwise(audience.seconds)) >= 2)
+                assert not audience.set('rate', 50.0)
+                assert not audience.set('seek', 1.5)
+                assert audience.call('pause').startswith('run 1 step 1')
+            assert process.stdout is not None
+            told = json.loads(process.stdout.readline())
+        finally:
+            process.send_signal(signal.SIGINT)  # else it would play for ever
     assert min(audience.seconds) > 1.0
     assert max(audience.seconds) <= 2.1 + 1e-6
     assert told['played_s'] == [1.0, 2.0]

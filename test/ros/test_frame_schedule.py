@@ -2,7 +2,6 @@
 
 import itertools
 import math
-import time
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,6 +12,7 @@ from hypothesis import strategies as st
 
 from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.physics.sampled_motion import SampledMotion
+from kapitsa_ros.ros import joint_state_publisher
 from kapitsa_ros.ros.frame import Frame
 from kapitsa_ros.ros.frame_schedule import FrameSchedule, frame_count
 from kapitsa_ros.ros.joint_state_publisher import JointStatePublisher
@@ -107,7 +107,9 @@ def test_at_full_speed_blocks_are_left_out() -> None:
     assert len(shown([0.0005] * 1000)) <= 51
 
 
-def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes() -> None:
+def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = itertools.count(100.0, 1e-4)  # s, no step takes longer
+    monkeypatch.setattr(joint_state_publisher, 'time', SimpleNamespace(monotonic=lambda: next(clock)))
     states: list[Any] = []
     publisher = JointStatePublisher(SimpleNamespace(create_publisher=lambda *_: SimpleNamespace(publish=states.append)))
     motion = SampledMotion(1e-3, *np.zeros((3, 101)))
@@ -115,7 +117,9 @@ def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes()
     for number in range(3):
         publisher.offer(DAY + number * STEP_NS, lambda: (motion, motion))
         publisher.refresh()
-    while math.isfinite(wait := publisher.refresh()):
-        time.sleep(wait)
+    waits = [publisher.refresh() for _ in range(10_000)]  # a second
+    assert 0.0 < waits[0] < 1.0
+    assert waits[-1] == math.inf
     stamps = [state.header.stamp.sec * 10**9 + state.header.stamp.nanosec for state in states]
+    assert ends[1] not in stamps
     assert (stamps[0], stamps[-1]) == (ends[0], ends[2])
