@@ -36,6 +36,17 @@ class Foreign:
 
 
 @pytest.mark.parametrize(
+    'kind', [Plant, StrobeSettings, StopwatchSettings, JigsawParameters, RigParameters], ids=lambda kind: kind.__name__
+)
+def test_ranges_are_finite(kind: type) -> None:
+    """So what lies in one is: a plain number is looked at no further."""
+    for item in describe(kind):
+        assert np.isfinite([item.low, item.high]).all(), item.name
+        for value in (np.inf, -np.inf, np.nan):
+            assert not item.holds(value)
+
+
+@pytest.mark.parametrize(
     ('given', 'held'),
     [
         (1, 1.0),

@@ -48,11 +48,11 @@ _POINT = np.dtype(
         'itemsize': 56,
     }
 )
-POINT_SIZE, RATE_AT = _POINT.itemsize, 16
-"""Bytes from one position to the next, and from a position to its rate."""
-_WORDS = POINT_SIZE // 8
 _VALUES = range(0, 5, 2)
 """Which eight bytes of a point are position, rate and acceleration."""
+POINT_SIZE, RATE_AT = _POINT.itemsize, 8 * _VALUES[1]
+"""Bytes from one position to the next, and from a position to its rate."""
+_WORDS = POINT_SIZE // 8
 _VALUE_COLUMNS = slice(_VALUES.start, _VALUES.stop, _VALUES.step)
 
 

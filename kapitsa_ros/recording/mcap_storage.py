@@ -12,13 +12,14 @@ from mcap.opcode import Opcode
 from rosbags.rosbag2 import CompressionMode
 from rosbags.rosbag2.storage_mcap import McapWriter, PendingChunk
 
+from kapitsa_ros.recording.storage.mcap_records import BEFORE_DATA
+
 if TYPE_CHECKING:
     from pathlib import Path
 
     from rosbags.interfaces import Connection
 
 _MESSAGE = struct.Struct('<BQHIQQ')
-_BEFORE_DATA = 22
 _HEAD, _LENGTH = struct.Struct('<BQ'), struct.Struct('<Q')
 _CHUNK, _STRING = struct.Struct('<QQQII'), struct.Struct('<I')
 _INDEX, _PLACES = struct.Struct('<BQHI'), 16
@@ -52,7 +53,7 @@ class McapStorage(McapWriter):
         number, content = connection.id, self.chunk.bio
         self.channel_stats[number] += 1
         self.chunk.msgs[number].append((timestamp, content.tell()))
-        content.write(_MESSAGE.pack(Opcode.MESSAGE, _BEFORE_DATA + len(data), number, 0, timestamp, timestamp))
+        content.write(_MESSAGE.pack(Opcode.MESSAGE, BEFORE_DATA + len(data), number, 0, timestamp, timestamp))
         content.write(data)
         if content.tell() > _LARGEST_CHUNK:
             self.close_chunk()

@@ -20,7 +20,7 @@ _LENGTH = struct.Struct('<Q')
 _CHUNK_INDEX = struct.Struct('<16xQQI')
 _PACKED, _SIZES = struct.Struct('<8xI'), struct.Struct('<QQ')
 _CHANNEL = struct.Struct('<HQ')
-_BEFORE_DATA = 22
+BEFORE_DATA = 22
 """Bytes of a message's own record before what was recorded."""
 
 
@@ -90,7 +90,7 @@ def messages_in(content: bytes) -> Iterator[slice]:
     for op, body in records(content):
         at += HEAD.size + len(body)
         if op == Opcode.MESSAGE:
-            yield slice(at - len(body) + _BEFORE_DATA, at)
+            yield slice(at - len(body) + BEFORE_DATA, at)
 
 
 def parse_chunk(body: bytes) -> PackedChunk:
