@@ -56,6 +56,20 @@ def test_swing_begins_at_the_release_and_ends_where_friction_stops_it():
     assert living.angle.size < angle.size
 
 
+@pytest.mark.parametrize(('release', 'damping'), [(0.12, 0.0), (0.5, 0.02)])
+def test_a_swing_of_minutes_is_fitted_as_a_whole(damping, release):
+    """The matrix pencil may not thin it until its phase is lost, and a wide one changes its frequency as it decays."""
+    rod = Plant(damping=damping)
+    motion = Release(plant=rod, speed=2780 * RPM, angle=release).sampled(150.0, 500.0)
+    run = Run(
+        number=1, settings={}, speed_asked=2780 * RPM, release=release, readings={}, timings=(), complete=True
+    )  # fmt: skip
+    found = evidence_from_motion([RecordedRun(name='run', run=run, time=motion.time, angle=motion.angle)], NOMINAL)
+    period, sigma = found.timed.period[0], found.timed.period_sigma[0]
+    assert abs(period - 2 * np.pi / slow_frequency_exact(rod, 2780 * RPM)) < 2 * sigma
+    assert sigma < (1e-4 if release == 0.12 else 1e-2) * period
+
+
 def test_no_runs_tell_nothing():
     with pytest.raises(AnalysisError, match='no run'):
         evidence_from_motion([], NOMINAL)

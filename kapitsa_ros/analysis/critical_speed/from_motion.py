@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 _PASSES = 3
+_FIRST = 20  # slow periods for the first estimate
 
 
 def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator: str = DEFAULT_ESTIMATOR) -> Evidence:
@@ -85,7 +86,8 @@ def evidence_from_motion(runs: Sequence[RecordedRun], nominal: Plant, estimator:
 
 def _small_swing(record: SwingRecord, release: float, nominal: Plant, estimator: str) -> SlowEstimate:
     """Estimate the frequency of a small swing: softening follows from a rod, and the rod from the frequency."""
-    slow = ESTIMATORS[estimator](record, 0.0)
+    # In a long record a swing changes its frequency as it decays: no single one fits it without the softening.
+    slow = ESTIMATORS[estimator](record.beginning(_FIRST), 0.0)
     for _ in range(_PASSES):
         k = k_of_slow_frequency(record.forcing, slow.value, nominal.amplitude, nominal.gravity)
         rod = replace(nominal, inertia_factor=nominal.inertia_factor * k / nominal.k)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -58,6 +58,12 @@ class SwingRecord:
     def times(self) -> NDArray[np.float64]:
         """Seconds from the first sample, shape (N,)."""
         return np.arange(self.angle.size, dtype=np.float64) * self.period
+
+    def beginning(self, periods: int) -> SwingRecord:
+        """Return the part that has about so many slow periods; the whole where it has no more."""
+        means = self.drive_nulled()[1]
+        found = 1 + int(np.argmax(np.abs(np.fft.rfft(means)[1:])))
+        return self if found <= periods else replace(self, angle=self.angle[: self.angle.size * periods // found])
 
     def drive_nulled(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Average over whole turns of the shaft, which nulls the forcing's lines and thins the record.

@@ -10,10 +10,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LONGEST = 200  # rows and columns beyond which a singular value decomposition buys nothing more
+_FEWEST = 8  # samples a period: further apart they would lose its phase
 
 
 def strongest_pole(samples: NDArray[np.float64], period: float) -> complex:
     """Return −γ + iΩ of the strongest oscillation in equidistant samples (Hua & Sarkar, IEEE ASSP 38, 814 (1990)).
+
+    Of a record of more than a hundred periods it is that of its beginning.
 
     Parameters
     ----------
@@ -23,8 +26,10 @@ def strongest_pole(samples: NDArray[np.float64], period: float) -> complex:
         Seconds between them.
 
     """
-    stride = max(1, samples.size // (2 * _LONGEST))
-    thinned = samples[: samples.size // stride * stride].reshape(-1, stride).mean(axis=1)
+    periods = 1 + int(np.argmax(np.abs(np.fft.rfft(samples)[1:])))
+    stride = max(1, min(samples.size // (2 * _LONGEST), samples.size // (_FEWEST * periods)))
+    used = min(samples.size // stride, 4 * _LONGEST) * stride
+    thinned = samples[:used].reshape(-1, stride).mean(axis=1)
     length = thinned.size // 2
     hankel = np.lib.stride_tricks.sliding_window_view(thinned, length)
     signal = np.linalg.svd(hankel, full_matrices=False)[2][:2].T
