@@ -181,11 +181,12 @@ class DataflowNode(ProcessNode):
             self.wait_until_taken(publisher)
         self.diagnostics.wait_for_all_acked(PARTING)
         self.finished = True
+        self.wake()
 
     def keep_failure(self, error: Exception) -> None:
         """Fail soon: thrown through the executor an exception would lose its type."""
         self._failure = self._failure or error
-        self.heard, self.wait = True, 0.0
+        self.be_due()
 
     def wait_until_taken(self, publisher: Publisher) -> None:
         """Wait for the readers of a topic to take all that was published, as long as DDS waits for them."""
@@ -234,7 +235,7 @@ class DataflowNode(ProcessNode):
 
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
-            self.heard = self._heard_since = True
+            self._heard_since = True
             if self.finished:  # what others of its process still say is not for it
                 return
             if ends_session(step_id):
@@ -247,6 +248,10 @@ class DataflowNode(ProcessNode):
             if not fresh:
                 self.refuse(f'a step of {name} that was there before')
             elif self._peers.matched:
-                self.wait = min(self.advance(), self.pending())
+                wait = min(self.advance(), self.pending())
+                if (now := time.monotonic()) >= self.due:  # the executor looks at its time-out when no message is left
+                    self.wake()
+                else:
+                    self.be_due(now + wait)
 
         return take

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from contextlib import ExitStack
 from typing import TYPE_CHECKING
@@ -24,35 +25,24 @@ class NodeLoop:
 
     def __init__(self, nodes: Sequence[ProcessNode]) -> None:
         self._nodes = nodes
-        self._due = dict.fromkeys(nodes, 0.0)
-        """Those that have not finished, and when each has to be polled, s of the steady clock."""
         self.at_work = nodes[0]
         """The node that was called last: what is raised here is its."""
 
     @property
     def is_over(self) -> bool:
         """Whether all nodes have finished."""
-        return not self._due
+        return all(node.finished for node in self._nodes)
 
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""
         now = time.monotonic()
-        heard = [node for node in self._due if node.heard]
-        for node in heard:
-            node.heard = False
-            self._due[node] = min(self._due[node], now + node.wait)
-            if node.finished:
-                del self._due[node]
-        # Where it was no message, a service or a time-out woke the executor: anybody's.
-        due = [node for node, at in self._due.items() if at <= now or not heard]
-        if due:
-            for node in due:
+        for node in self._nodes:
+            if not node.finished and node.due <= now:
                 self.at_work = node
-                self._due[node] = now + node.poll()
-                if node.finished:
-                    del self._due[node]
-            now = time.monotonic()
-        return max(0.0, min(self._due.values()) - now) if self._due else 0.0
+                node.due = math.inf  # what becomes due in the call is done by it
+                node.due = time.monotonic() + node.poll()
+        due = [node.due for node in self._nodes if not node.finished]
+        return max(0.0, min(due) - time.monotonic()) if due else 0.0
 
     def close(self) -> None:
         """Close all nodes, also where one of them fails in it."""

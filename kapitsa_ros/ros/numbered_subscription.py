@@ -13,6 +13,7 @@ from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.registry import writers_of
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.node_names import node_names
+from kapitsa_ros.ros.process_node import ASKS_ITSELF
 from kapitsa_ros.ros.qos import STREAM, message_class
 
 if TYPE_CHECKING:
@@ -67,6 +68,7 @@ class NumberedSubscription:
                 fail(error)
 
         receive.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
+        setattr(receive, ASKS_ITSELF, True)
         events = SubscriptionEventCallbacks(matched=self._note_match)
         kind = message_class(topic.type)
         node.create_subscription(kind, topic.name, receive, STREAM, raw=True, event_callbacks=events)

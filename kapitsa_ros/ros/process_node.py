@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
+import functools
 from contextlib import suppress
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.node import Node
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kapitsa_ros.network.role import Role
+
+
+ASKS_ITSELF = 'asks_itself'
+"""Attribute of callbacks that ask for a poll where they need one."""
 
 
 class ProcessNode(Node):
     """Base of what `ros/main.py` runs.
+
+    Callbacks of services and subscriptions make the node due at once, but for those that have `ASKS_ITSELF`: numbered
+    topics, which make up all but a few of its messages, and ask for little that is not done when they come.
 
     Parameters
     ----------
@@ -26,10 +36,35 @@ class ProcessNode(Node):
         super().__init__(role.name)
         self.role = role
         self.finished = False
-        self.heard = False
-        """Whether a message has come since somebody has looked, and..."""
-        self.wait = 0.0
-        """... in how many seconds the node has to be polled, as it has left it."""
+        self.due = 0.0
+        """When it has to be polled, s of the steady clock."""
+        self.wake: Callable[[], None] = _nobody
+        """Ends the wait of whoever polls it."""
+
+    def be_due(self, at: float = 0.0) -> None:
+        """Have the node polled at a time of the steady clock, if not before."""
+        if at < self.due:
+            self.due = at
+            self.wake()
+
+    def create_subscription(self, msg_type: Any, topic: str, callback: Any, *given: Any, **named: Any) -> Any:
+        """Subscribe; a message makes the node due."""
+        called = callback if hasattr(callback, ASKS_ITSELF) else self._making_due(callback)
+        return super().create_subscription(msg_type, topic, called, *given, **named)
+
+    def create_service(self, srv_type: Any, srv_name: str, callback: Any, **named: Any) -> Any:
+        """Serve; a request makes the node due."""
+        return super().create_service(srv_type, srv_name, self._making_due(callback), **named)
+
+    def _making_due(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+        @functools.wraps(callback)  # rclpy looks at its signature
+        def call(*given: Any) -> Any:
+            try:
+                return callback(*given)
+            finally:
+                self.be_due()
+
+        return call
 
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""
@@ -42,3 +77,7 @@ class ProcessNode(Node):
         """Tell whoever watches why this node ends; stderr has its own line."""
         with suppress(RCLError):  # nobody can be told once a signal has shut the context
             self.get_logger().fatal(str(error))
+
+
+def _nobody() -> None:
+    pass

@@ -12,7 +12,7 @@ class Node:
     """Counts how often it is polled."""
 
     def __init__(self) -> None:
-        self.heard, self.wait, self.finished = False, 1.0, False
+        self.due, self.finished = 0.0, False
         self.polled, self.closed = 0, 0
         self.error: Exception | None = None
 
@@ -40,46 +40,35 @@ def polled(loop: NodeLoop, *nodes: Node) -> list[int]:
     return [node.polled for node in nodes]
 
 
-def test_each_node_is_polled_when_it_is_due_and_all_after_what_was_no_message(clock: SimpleNamespace) -> None:
+def test_each_node_is_polled_when_it_is_due(clock: SimpleNamespace) -> None:
     one, other = nodes = [Node(), Node()]
     loop = NodeLoop(nodes)
     assert polled(loop, *nodes) == [1, 1]
     clock.now += 0.5
-    assert polled(loop, *nodes) == [1, 1]  # a service was called, of whom nobody knows
-    clock.now += 0.1
-    one.heard = True
-    assert polled(loop, *nodes) == [0, 0]  # a message: its step has been done when it came
-    one.heard, one.wait = True, 0.2
-    assert loop.poll() == pytest.approx(0.2)
-    clock.now += 0.2
-    other.heard = True
-    assert polled(loop, *nodes) == [1, 0]  # messages of one do not keep others waiting
-    clock.now += 0.9
-    assert polled(loop, *nodes) == [1, 1]  # nor does the time of one keep a service of another
-
-
-def test_who_has_failed_is_polled_at_once(clock: SimpleNamespace) -> None:
-    nodes = [Node(), Node()]
-    loop, other = NodeLoop(nodes), nodes[1]
-    loop.poll()
-    clock.now += 0.1
-    other.heard, other.wait = True, 0.0
+    assert polled(loop, *nodes) == [0, 0]
+    other.due = 0.0  # a service was called
     assert polled(loop, *nodes) == [0, 1]
     assert loop.at_work is other
+    one.due = clock.now + 0.2
+    assert loop.poll() == pytest.approx(0.2)
+    clock.now += 0.2
+    assert polled(loop, *nodes) == [1, 0]
+    clock.now += 0.9
+    assert polled(loop, *nodes) == [0, 1]
 
 
 def test_it_is_over_when_all_have_finished(clock: SimpleNamespace) -> None:
     one, other = nodes = [Node(), Node()]
     loop = NodeLoop(nodes)
     loop.poll()
-    one.heard = one.finished = True
+    one.finished = True
+    clock.now += 2.0
     loop.poll()
     assert not loop.is_over
-    clock.now += 2.0
     other.finished = True
     assert loop.poll() == 0.0
     assert loop.is_over
-    assert one.polled == 1
+    assert [node.polled for node in nodes] == [1, 2]
 
 
 def test_all_are_closed_where_one_cannot() -> None:
