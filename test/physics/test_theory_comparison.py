@@ -1,10 +1,12 @@
 """The theories between the averaged equation and the nonlinear truth."""
 
+import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from truth import ENTRIES, plant_of, speed_of
 
 from kapitsa_ros.physics import theory
@@ -28,6 +30,16 @@ def test_effective_amplitude_under_play_is_first_order(name):
     second_order = 2.0 * (plant.clearance / plant.amplitude) ** 2
     slow = theory.slow_frequency_with_play(plant, speed) / RPM
     assert slow == pytest.approx(found['value'], rel=second_order + 1e-3)
+
+
+@pytest.mark.parametrize('ratio', [0.05, 0.3, 1.0, 3.0])
+def test_dithered_factor_is_the_work_over_a_cycle(ratio):
+    def sliding(psi):
+        return np.arcsin(min(1.0, ratio * abs(np.tan(psi)))) * np.sin(psi)
+
+    bends = (0.0, np.arctan(1.0 / ratio), np.pi / 2)
+    quarter = sum(quad(sliding, begin, end, epsabs=1e-12)[0] for begin, end in itertools.pairwise(bends))
+    assert theory.dithered_factor(ratio) == pytest.approx(4.0 * 2.0 / np.pi * quarter, rel=1e-10)
 
 
 def test_dithered_factor_between_its_limits():
