@@ -76,7 +76,7 @@ BENCH = [
 WEB = [
     'starlette>=0.37.2',
     'uvicorn>=0.30',
-    'websockets>=12.0',
+    'websockets>=14.0',
 ]
 FOXGLOVE = [
     'foxglove-sdk>=0.30',

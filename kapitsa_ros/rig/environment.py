@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.resources import resource_path
+from kapitsa_ros.ros.output_port import hold_output_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -34,6 +35,7 @@ def on_loopback() -> Iterator[None]:
     the first has put in.
     """
     global _contexts  # noqa: PLW0603  # as the environment is
+    hold_output_port()
     with _lock:
         if not _contexts:
             _added.update(loopback())

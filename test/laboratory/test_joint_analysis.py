@@ -1,7 +1,7 @@
 """Bags that know nothing of this package: one joint, stamps of wall time, jitter, drops, repetitions."""
 
-import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -119,11 +119,10 @@ def test_what_is_no_motion_is_refused() -> None:
         even_series(np.repeat(np.arange(10.0) * 100, 2) + np.tile([0, 0.001], 10), np.zeros(20), None, 0.01)
 
 
-def test_the_command_line(tmp_path: Path) -> None:
+def test_the_command_line(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
     bag = str(write(tmp_path / 'run', np.delete(EVEN, 3000), np.delete(theta(EVEN), 3000)))
-    done = CliRunner().invoke(analyse, [bag, '--joint', 'θ', '--speed', '2500', '--length', '0.3', '--json'])
-    assert done.exit_code == 0, done.exception
-    values = json.loads(done.stdout)
+    done = kapitsa('analyse', bag, '--joint', 'θ', '--speed', '2500', '--length', '0.3', '--json')
+    values = done.json
     [run] = values['runs']
     assert run['slow_rpm'] == pytest.approx(75.0, rel=1e-4)
     assert (run['samples'], run['gaps'], run['digest_ok']) == (11999, 1, None)
@@ -133,8 +132,8 @@ def test_the_command_line(tmp_path: Path) -> None:
     shown = CliRunner().invoke(analyse, [bag, '--joint', 'θ', '--speed', '2500', '--length', '0.3']).stdout
     assert re.search(r'│ +2500\.0│ +0\.800│ +75\.0│', re.sub(r' +│', '│', shown))
     assert 'periods are those of a small swing' in shown
-    assert 'warning: ' in done.stderr
-    assert '1 gaps, in which 0.001 s are missing' in done.stderr
+    assert 'warning: ' in done.err
+    assert '1 gaps, in which 0.001 s are missing' in done.err
     for wrong, words in (
         (['--joint', 'θ'], '--speed is needed with --joint'),
         (['--speed', '2500'], 'it is for --joint'),

@@ -1,6 +1,7 @@
 """Recorded runs computed again: identical, or the first difference is named."""
 
 import json
+import re
 import struct
 from collections.abc import Callable, Iterable
 from itertools import groupby
@@ -169,7 +170,7 @@ def test_the_answer_tells_the_processor_it_was_recorded_on(tmp_path: Path) -> No
         assert values[name]['first_difference']['step'] == 7
         assert 'largest difference 2 ULP' in lines[name]
     assert 'identical, digest' in lines['same']
-    assert 'recorded with a processor with Z80, here a processor with' in lines['elsewhere']
+    assert re.search('recorded with (.+; )?a processor with Z80, here a processor with', lines['elsewhere'])
     assert 'a processor that the bag does not tell, here a processor with' in lines['unknown']
 
 

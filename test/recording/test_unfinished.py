@@ -1,22 +1,18 @@
 """Bags whose recorder was killed: what was given to the disk is read, its loss is said, and it becomes a whole bag."""
 
-import json
 import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
 from bag_of_a_made_up_run import CLOCK, SETTINGS, step_messages, write
-from click import Command
-from click.testing import CliRunner
 from rosbags.rosbag2 import Reader
 
-from kapitsa_ros.cli.commands.analyse import analyse
-from kapitsa_ros.cli.commands.bag import bag as bag_command
 from kapitsa_ros.network import registry
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError
@@ -160,34 +156,31 @@ def test_folders_of_runs_hold_unfinished_ones_too(tmp_path: Path, storage: str) 
     assert run_folders([tmp_path]) == runs
 
 
-def told(command: Command, *arguments: object) -> tuple[dict[str, Any], str]:
-    """Return what a command says in JSON, and on stderr."""
-    done = CliRunner().invoke(command, [*map(str, arguments), '--json'])
-    assert done.exit_code == 0, done.exception
-    return json.loads(done.stdout), done.stderr
+def test_commands_open_what_was_never_finished_and_say_so(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
+    def told(*arguments: object) -> tuple[dict[str, Any], str]:
+        answer = kapitsa(*arguments, '--json')
+        return answer.json, answer.err
 
-
-def test_commands_open_what_was_never_finished_and_say_so(tmp_path: Path) -> None:
     shipped = Path(__file__).parents[2] / 'bags' / 'run_01_2240rpm'
     path = tmp_path / 'run'
     path.mkdir()
     raw = (shipped / 'run_01_2240rpm.mcap').read_bytes()
     (path / 'run_0.mcap').write_bytes(raw[: len(raw) * 19 // 20])
-    info, said = told(bag_command, 'info', path)
+    info, said = told('bag', 'info', path)
     assert not info['complete']
     assert info['digest_ok'] is None
     assert info['messages'] < 939
     assert 'kapitsa: warning: ' in said
     assert 'ends in the middle of a record' in said
     assert 'it was never finished' in said
-    analysed, said = told(analyse, path)
+    analysed, said = told('analyse', path)
     [before] = analysed['runs']
     assert before['speed_reading_rpm'] == 2240.0
     assert before['samples'] > 14000
     assert before['defects'] == info['defects']
     assert 'has no end' in said
-    recovered, _ = told(bag_command, 'recover', path)
+    recovered, _ = told('bag', 'recover', path)
     assert recovered['recovered'][0]['steps'] == pytest.approx(info['messages'] / 6, abs=2)
-    assert told(bag_command, 'info', path)[0]['digest_ok'] is True
-    [after] = told(analyse, path)[0]['runs']
+    assert told('bag', 'info', path)[0]['digest_ok'] is True
+    [after] = told('analyse', path)[0]['runs']
     assert (after['samples'], after['gaps']) == (before['samples'], 0)

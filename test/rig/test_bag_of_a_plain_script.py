@@ -1,16 +1,14 @@
 """A recording by a script that knows ROS and nothing of this package gives the slow frequency, its gaps counted."""
 
-import json
 import os
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
-from click.testing import CliRunner
-
-from kapitsa_ros.cli.commands.analyse import analyse
 
 SCRIPT = """
 import math, random, sys, time
@@ -53,17 +51,16 @@ rclpy.shutdown()
 
 
 @pytest.mark.slow
-def test_it_gives_the_slow_frequency_and_its_gaps(tmp_path: Path, domain: int) -> None:
+def test_it_gives_the_slow_frequency_and_its_gaps(tmp_path: Path, domain: int, kapitsa: Callable[..., Any]) -> None:
     environment = os.environ | {'ROS_DOMAIN_ID': str(domain)}
     command = [sys.executable, '-c', SCRIPT, str(tmp_path / 'bag')]
     said = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=True).stdout
-    done = CliRunner().invoke(analyse, [str(tmp_path / 'bag'), '--joint', 'rod', '--speed', '2500', '--json'])
-    assert done.exit_code == 0, done.exception
-    [run] = json.loads(done.stdout)['runs']
+    done = kapitsa('analyse', tmp_path / 'bag', '--joint', 'rod', '--speed', '2500', '--json')
+    [run] = done.json['runs']
     dropped = int(said)
     assert run['slow_rpm'] == pytest.approx(75.0, rel=1e-3)
     assert (run['samples'], run['gaps']) == (4500 - dropped, dropped)
     assert dropped > 20
-    gaps = re.search(r': (\d+) gaps, in which (\S+) s are missing', done.stderr)
+    gaps = re.search(r': (\d+) gaps, in which (\S+) s are missing', done.err)
     assert gaps is not None
     assert (int(gaps[1]), float(gaps[2])) == (dropped, pytest.approx(0.002 * dropped, rel=0.01))

@@ -1,0 +1,24 @@
+"""Each datagram goes once: the output port of our transport is taken, by all processes that open DDS."""
+
+import re
+import socket
+from pathlib import Path
+
+import pytest
+
+from kapitsa_ros.resources import resource_path
+from kapitsa_ros.ros.output_port import OUTPUT_PORT, hold_output_port
+
+
+@pytest.mark.parametrize('profile', ['loopback.xml', 'static_peers.xml'])
+def test_the_profiles_have_the_port_that_is_held(profile: str) -> None:
+    text = Path(str(resource_path('config', profile))).read_text(encoding='utf-8')
+    assert re.findall(r'<output_port>(\d+)</output_port>', text) == [str(OUTPUT_PORT)]
+
+
+@pytest.mark.parametrize('address', ['127.0.0.1', ''])
+def test_it_is_taken_for_who_does_not_share_it(address: str) -> None:
+    hold_output_port()
+    hold_output_port()
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other, pytest.raises(OSError, match='in use'):
+        other.bind((address, OUTPUT_PORT))
