@@ -76,7 +76,7 @@ BENCH = [
 WEB = [
     'starlette>=0.37.2',
     'uvicorn>=0.30',
-    'websockets>=14.0',
+    'websockets>=15.0',
 ]
 FOXGLOVE = [
     'foxglove-sdk>=0.30',

@@ -52,7 +52,7 @@ def check(frame: Any, run: RunBag) -> None:
 def test_csv(tmp_path: Path, run: RunBag) -> None:
     path = tmp_path / 'run.csv'
     assert export(run, 'csv', path) == 7603
-    check(pd.read_csv(path, comment='#'), run)
+    check(pd.read_csv(path, comment='#', float_precision='round_trip'), run)
     about = dict(line[2:].split(': ', 1) for line in path.read_text().splitlines() if line.startswith('# '))
     assert about['digest'] == run.digest
     assert json.loads(about['settings'])['jigsaw']['amplitude'] == 0.0127
