@@ -24,6 +24,7 @@ _ITERATIONS = 50
 _TOLERANCE = 1e-12
 _PIECE = 16384  # samples taken at a time: memory does not grow with what a fit needs for each
 _LINES = 8
+_NO_SWING = 'no decaying swing can be fitted to the motion: take another estimator, or the readings'
 
 # of the slow line, both sidebands and the third harmonic
 _SLOW_PHASES = np.array([[1.0], [-1.0], [1.0], [3.0]])
@@ -103,23 +104,26 @@ def _fit(record: SwingRecord, start: NDArray[np.float64], shift: float) -> _Fit:
     """
     model = _Model(record=record, shift=shift)
     parameters, step, least = start, np.zeros(2), math.inf
-    weights = _solve(model.triangle(parameters, np.zeros(_LINES)), _LINES)
+    triangle = model.triangle(parameters, np.zeros(_LINES))
+    if not np.isfinite(triangle).all():
+        raise AnalysisError(_NO_SWING)
+    weights = _solve(triangle, _LINES)
     for _ in range(_ITERATIONS):
-        triangle = model.triangle(parameters + step, weights)
-        misfit = float(np.linalg.norm(triangle[_LINES:, -1]))
-        if not misfit <= least * (1.0 + _TOLERANCE):
+        tried = model.triangle(parameters + step, weights)
+        misfit = float(np.linalg.norm(tried[_LINES:, -1]))
+        if misfit <= least * (1.0 + _TOLERANCE):
+            parameters, least, triangle = parameters + step, misfit, tried
+            solution = _solve(triangle, _LINES + 2)
+            weights, step = solution[:_LINES], solution[_LINES:] / model.span
+        else:
             step *= 0.5
-            continue
-        parameters, least = parameters + step, misfit
-        solution = _solve(triangle, _LINES + 2)
-        weights, step = solution[:_LINES], solution[_LINES:] / model.span
-        gained = float(np.linalg.norm(triangle[_LINES:-1, -1]))
-        if gained**2 <= _TOLERANCE * misfit**2 or np.abs(step).max() <= _TOLERANCE * parameters[0]:
+        to_gain = float(np.linalg.norm(triangle[_LINES:-1, -1]))
+        if to_gain**2 <= _TOLERANCE * least**2 or np.abs(step).max() <= _TOLERANCE * parameters[0]:
             noise = triangle[-1, -1] ** 2 / (record.angle.size - _LINES - 2)
             slopes = triangle[_LINES:-1, _LINES:-1]
             variance = noise * np.linalg.inv(slopes.T @ slopes)[0, 0]
             return _Fit(parameters=parameters + step, weights=weights, sigma=math.sqrt(variance) / model.span)
-    raise AnalysisError('no decaying swing can be fitted to the motion: take another estimator, or the readings')
+    raise AnalysisError(_NO_SWING)
 
 
 def _solve(triangle: NDArray[np.float64], columns: int) -> NDArray[np.float64]:
