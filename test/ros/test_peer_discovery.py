@@ -28,6 +28,12 @@ class Node:
     def get_publishers_info_by_topic(self, topic: str):
         return [SimpleNamespace(node_name=name) for name in self.writers.get(topic, ())]
 
+    def resolve_topic_name(self, topic: str) -> str:
+        return topic
+
+    def count_publishers(self, topic: str) -> int:
+        return len(self.writers.get(topic, ()))
+
     def get_logger(self):
         return SimpleNamespace(info=self.lines.append)
 
