@@ -149,7 +149,8 @@ class _Interval(tuple[float, float]):
 
 
 def _latin_hypercube(factors: Mapping[str, tuple[Value, ...]], count: int, seed: int) -> list[tuple[Value, ...]]:
-    unit = qmc.LatinHypercube(len(factors), rng=np.random.default_rng(seed)).random(count)
+    # SciPy has renamed the argument in 1.15; a generator gives the same points under either name.
+    unit = qmc.LatinHypercube(len(factors), seed=np.random.default_rng(seed)).random(count)
     columns = [
         [_at(values, float(share)) for share in column] for values, column in zip(factors.values(), unit.T, strict=True)
     ]

@@ -164,6 +164,8 @@ def test_keys_steer_a_replay(monkeypatch: pytest.MonkeyPatch) -> None:
         before = termios.tcgetattr(terminal)
         with replay_keys(control, 1.0):
             audience.watch(control.is_served)
+            # An answer tells that the player has found this audience, too: what it shows once is not missed.
+            assert 'paused already' in audience.call('pause')
             os.write(person, b'\x1b[C')
             audience.watch(lambda: len(audience.seconds) > 0)
             assert audience.seconds[-1] <= 0.1 + 1e-6
