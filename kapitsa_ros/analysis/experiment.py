@@ -84,7 +84,7 @@ def reduce_runs(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTI
         There are no runs, or they are of different plants.
 
     """
-    plant, ruler = plant_of(runs), ruler_of(runs[0])
+    plant, ruler = plant_of(runs), ruler_of(*runs)
     found = fit_timings(timing_rows(runs, assumptions.dial_u), ruler, plant.gravity, assumptions)
     return _experiment(plant, found.best, found.evidence, ruler=ruler, timings=found.rows, assumptions=assumptions)
 
@@ -100,7 +100,7 @@ def budget_of(runs: Sequence[Run], assumptions: Assumptions = DEFAULT_ASSUMPTION
         No run was timed.
 
     """
-    plant, ruler = plant_of(runs), ruler_of(runs[0])
+    plant, ruler = plant_of(runs), ruler_of(*runs)
     found = fit_timings(timing_rows(runs, assumptions.dial_u), ruler, plant.gravity, assumptions)
     return uncertainty_budget(found.evidence, ruler, plant.gravity, assumptions)
 
@@ -130,7 +130,7 @@ def reduce_motions(
     plant = plant_of([each.run for each in recorded])
     assumptions = replace(assumptions, miscount_probability=0.0)  # nobody counts
     evidence = evidence_from_motion(recorded, ideal_rod(plant), estimator)
-    ruler = ruler_of(recorded[0].run)
+    ruler = ruler_of(*(each.run for each in recorded))
     try:
         best = direct_fit(evidence, ruler, plant.gravity, assumptions)
     except NothingTimedError:

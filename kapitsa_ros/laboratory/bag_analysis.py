@@ -36,7 +36,7 @@ def analyse_bags(
     bags = runs_of(paths)
     runs = [recorded_values(bag) | run_values(bag.run) for bag in bags]
     found = reduce_runs([bag.run for bag in bags], assumptions)
-    values = {'runs': runs} | experiment_values(found) | origin(bags[0].run)
+    values = {'runs': runs} | experiment_values(found) | origin([bag.run for bag in bags])
     if with_budget:
         values['budget'] = budget_values(budget_of([bag.run for bag in bags], assumptions))
     return values
@@ -71,22 +71,27 @@ def analyse_motions(
     for bag in bags:
         period = None if bag.run.fell else float(next(periods))
         runs.append(recorded_values(bag) | motion_values(bag.run, period))
-    return {'runs': runs} | experiment_values(experiment) | origin(bags[0].run)
+    return {'runs': runs} | experiment_values(experiment) | origin([bag.run for bag in bags])
 
 
-def origin(run: Run) -> dict[str, Any]:
+def origin(runs: Sequence[Run]) -> dict[str, Any]:
     """Return what runs were made with: plant, instruments and seed, as recorded, and this version of the package.
 
-    A bag does not tell the protocol.
+    A bag does not tell the protocol; instruments and seed are None where the runs have not the same.
     """
-    instruments = {name: run.settings[name]['instrument'] for name in ('strobe', 'stopwatch')}
+    instruments = [{name: run.settings[name]['instrument'] for name in ('strobe', 'stopwatch')} for run in runs]
+    seeds = [run.settings['strobe'].get('seed') for run in runs]
     return {
-        'plant': asdict(run.plant),
-        'instruments': instruments,
+        'plant': asdict(runs[0].plant),
+        'instruments': _common(instruments),
         'protocol': None,
-        'seed': run.settings['strobe'].get('seed'),
+        'seed': _common(seeds),
         'version': __version__,
     }
+
+
+def _common(values: Sequence[Any]) -> Any:
+    return values[0] if all(value == values[0] for value in values) else None
 
 
 def recorded_values(bag: RunBag) -> dict[str, Any]:

@@ -139,7 +139,7 @@ def replay_bags(
 def _as_analysed(bags: Sequence[RunBag], monitor: SessionMonitor) -> dict[str, Any]:
     """Return what the analyser has made of runs; those that were not played it does not know."""
     runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=False)]
-    return {'runs': runs} | monitor.experiment | origin(bags[0].run)
+    return {'runs': runs} | monitor.experiment | origin([bag.run for bag in bags])
 
 
 def watch(

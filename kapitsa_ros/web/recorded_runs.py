@@ -118,7 +118,7 @@ class RecordedRuns:
         """
         with self._lock:
             runs = [bag.run for bag in self.bags]
-            plant, ruler = plant_of(runs), ruler_of(runs[0])
+            plant, ruler = plant_of(runs), ruler_of(*runs)
             table = TimingTable(rows=tuple(timing_rows(runs, DEFAULT_ASSUMPTIONS.dial_u)))
         return reduce(table, plant.replaced({'amplitude': ruler.amplitude}), amplitude_sigma=ruler.sigma)
 

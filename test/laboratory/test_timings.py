@@ -10,6 +10,7 @@ from kapitsa_ros.analysis.results import experiment_values
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.laboratory.bag_analysis import origin
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.physics.plant import Plant
@@ -79,3 +80,22 @@ def test_the_ruler_errs_by_the_seed_and_a_perfect_set_has_a_perfect_one() -> Non
     assert len(set(slips)) == 20
     assert slips[0] == read('1997', 1) - Plant().amplitude
     assert 0.06e-3 < np.std(slips) < 0.21e-3  # 0.125 mm, to three standard errors of twenty
+
+
+def test_experiments_together_have_the_mean_of_their_rulers_in_whatever_order_they_are_given() -> None:
+    first, second = (
+        SimulatedExperiment(
+            plant=Plant(), instruments=load_instruments('1997'), protocol=Protocol(speeds=(2640 * RPM,)), seed=seed
+        ).runs()
+        for seed in (1, 2)
+    )
+    one, other = ruler_of(*first), ruler_of(*second)
+    both = ruler_of(*first, *second, *first)
+    assert both.amplitude == pytest.approx((one.amplitude + other.amplitude) / 2, rel=1e-15)
+    assert both.sigma == pytest.approx(one.sigma / 2**0.5, rel=1e-15)
+    forth, back = (experiment_values(reduce_runs(runs)) for runs in ([*first, *second], [*second, *first]))
+    assert forth['ruler'] == back['ruler'] == {'amplitude_m': both.amplitude, 'sigma_m': both.sigma}
+    assert forth['omega_crit_rpm'] == pytest.approx(back['omega_crit_rpm'], rel=1e-9)
+    of_two = origin([*first, *second])
+    assert (of_two['seed'], origin(first)['seed']) == (None, 1)
+    assert of_two['instruments'] == origin(first)['instruments']

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -27,11 +28,11 @@ class Ruler:
     """Standard uncertainty, m."""
 
 
-def ruler_of(run: Run) -> Ruler:
-    """Return what the ruler said of the stroke in the experiment that a run belongs to.
+def ruler_of(*runs: Run) -> Ruler:
+    """Return what the ruler said of the stroke in the experiments that runs of one plant belong to.
 
-    It errs by its standard uncertainty, by the seed of the experiment. What the drivers of a real rig, who have no
-    seed, say of the stroke is a ruler's word already.
+    It was read once in each, and errs by its standard uncertainty, by the seed of the experiment; of several the mean
+    counts. What the drivers of a real rig, who have no seed, say of the stroke is a ruler's word already.
 
     Raises
     ------
@@ -39,6 +40,11 @@ def ruler_of(run: Run) -> Ruler:
         The settings do not describe a plant.
 
     """
+    read = {run.settings.get('strobe', {}).get('seed'): _amplitude_of(run) for run in runs}
+    return Ruler(amplitude=math.fsum(read.values()) / len(read), sigma=RULER_SIGMA / math.sqrt(len(read)))
+
+
+def _amplitude_of(run: Run) -> float:
     amplitude = run.plant.amplitude
     seed = run.settings.get('strobe', {}).get('seed')
     instruments = {
@@ -47,5 +53,5 @@ def ruler_of(run: Run) -> Ruler:
         for name, value in run.settings.get(role, {}).get('instrument', {}).items()
     }
     if seed is None or not any(instruments.get(name) for name in _ERRORS):
-        return Ruler(amplitude=amplitude)
-    return Ruler(amplitude=amplitude + RULER_SIGMA * float(random_stream(seed, 'ruler', 0).standard_normal()))
+        return amplitude
+    return amplitude + RULER_SIGMA * float(random_stream(seed, 'ruler', 0).standard_normal())

@@ -119,7 +119,7 @@ def gather(
     blind = [recorded.run for recorded in runs]
     plant = plant_of(blind)
     nominal = ideal_rod(plant)
-    ruler = ruler_of(blind[0])
+    ruler = ruler_of(*blind)
     on_progress('fitting the readings')
     found = fit_timings(timing_rows(blind, assumptions.dial_u), ruler, nominal.gravity, assumptions)
     evidence, curve = found.evidence, found.best
