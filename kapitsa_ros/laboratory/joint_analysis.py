@@ -73,6 +73,12 @@ def analyse_joints(
             series = even_series(seconds, samples.position, samples.rate, _TURN * 2.0 * math.pi / speed)
         except AnalysisError as error:
             raise AnalysisError(f'{path}: {error}') from error
+        low, high = float(series.value.min()), float(series.value.max())
+        if low > 0.0 or high < 0.0:
+            raise AnalysisError(
+                f'{path}: {joint} stays between {low:.3g} and {high:.3g} rad and never passes 0, the upright: '
+                'θ is counted from there'
+            )
         run = Run(
             number=number,
             settings={'pendulum': {'plant': asdict(plant)}, 'jigsaw': {'amplitude': plant.amplitude}},
