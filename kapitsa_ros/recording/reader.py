@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.network.cdr import stamp_of
@@ -19,6 +18,7 @@ from kapitsa_ros.network.registry import (
     described_by,
 )
 from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.settings import parse_settings
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.motion import Motion, joined_motion
@@ -68,21 +68,38 @@ class RunBag(StoredRun):
 
         """
         try:
-            settings = {node: json.loads(text) for node, text in self.settings_texts.items()}
-            lacking = [role for role in described_by(REQUIRED_ROLES) if role not in settings]
+            lacking = [role for role in described_by(REQUIRED_ROLES) if role not in self.settings]
             if lacking:
                 raise BagError(f'{self.path} is damaged: the settings of {", ".join(lacking)} are lost')
-            builder = RunBuilder(self.number, settings)
+            builder = RunBuilder(self.number, self.settings)
             present = [topic for topic in RUN_TOPICS if topic.name in self._index.present]
             count = 0
             for step in self._steps([topic.name for topic in present]):
                 builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
                 count += 1
-        except (WireError, json.JSONDecodeError, KeyError, RecursionError) as error:
+        except (WireError, KeyError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
         if not count:
             raise BagError(f'{self.path} holds no step of a run')
         return builder.build(complete=self.complete)
+
+    @cached_property
+    def settings(self) -> dict[str, dict[str, Any]]:
+        """What each role that describes the run has said of itself.
+
+        Raises
+        ------
+        BagError
+            Some of it is no settings.
+
+        """
+        found = {}
+        for role, text in self.settings_texts.items():
+            try:
+                found[role] = parse_settings(text)
+            except WireError as error:
+                raise BagError(f'{self.path} is damaged: the settings of {role}: {error}') from error
+        return found
 
     @cached_property
     def motion(self) -> Motion:
