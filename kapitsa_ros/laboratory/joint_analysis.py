@@ -17,6 +17,7 @@ from kapitsa_ros.analysis.uneven_series import even_series
 from kapitsa_ros.network.run import Run
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.joint_samples import read_joint
+from kapitsa_ros.recording.naming import name_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -88,7 +89,7 @@ def analyse_joints(
             timings=(),
             complete=True,
         )
-        recorded.append(RecordedRun(name=path.name, run=run, time=series.time, angle=series.value))
+        recorded.append(RecordedRun(name=name_of(path), run=run, time=series.time, angle=series.value))
         runs.append(
             {
                 'bag': str(path),

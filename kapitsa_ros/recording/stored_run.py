@@ -16,6 +16,7 @@ from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
+from kapitsa_ros.recording.naming import name_of
 from kapitsa_ros.recording.processor import PROCESSOR_KEY, parse_processor
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import begun_runs, chosen_run, format_of
@@ -76,7 +77,8 @@ class StoredRun:
     @property
     def name(self) -> str:
         """Of the run, as tables show it."""
-        return f'{self.path.name} run {self.number}' if self.several else self.path.name
+        folder = name_of(self.path)
+        return f'{folder} run {self.number}' if self.several else folder
 
     @cached_property
     def messages(self) -> int:
