@@ -49,7 +49,7 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *
     Raises
     ------
     OutputError
-        Something is there already, or it cannot be written.
+        Something is there already, it cannot be written, or topics are given for what has the motion alone.
     BagError
         The run cannot be read.
     MissingPackageError
@@ -58,6 +58,8 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *
     """
     if output.is_dir() or (kind == JOINT_STATES and output.exists()):
         raise OutputError(f'{OPTION}: is there already and stays; give another name', option='output', value=output)
+    if kind == JOINT_STATES and topics and {topic.removeprefix('/') for topic in topics} != {MOTION.name}:
+        raise OutputError(f'{OPTION}: joint-states are the motion alone; leave it out', option='topic', value=topics[0])
     check_output(output, overwrite=overwrite)
     if kind == JOINT_STATES:
         return _write_joint_states(bag, output)

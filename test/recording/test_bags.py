@@ -74,6 +74,13 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
         RunBag(tmp_path / 'empty')
 
 
+def test_a_folder_of_bags_is_called_one(tmp_path: Path) -> None:
+    for number in (10, 9):
+        write(tmp_path / f'run_{number}')
+    with pytest.raises(BagError, match=r'is a folder of 2: give one of them, such as .*/run_9$'):
+        RunBag(tmp_path)
+
+
 def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
     with Writer(tmp_path / 'other', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection(

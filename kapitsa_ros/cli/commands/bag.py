@@ -100,7 +100,8 @@ def export(
     if as_json:
         print_json({'output': str(output), 'rows': rows})
     else:
-        click.echo(f'{output}: {rows} rows')
+        # What is no file may be the standard output, where the rows are then.
+        click.echo(f'{output}: {rows} rows', err=not output.is_dir() and not output.is_file())
 
 
 def _values(opened: RunBag) -> dict[str, Any]:
