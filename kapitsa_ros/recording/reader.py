@@ -231,7 +231,7 @@ def open_runs(path: str | PathLike[str]) -> tuple[RunBag, ...]:
 
 
 def runs_of(paths: Iterable[Path]) -> list[RunBag]:
-    """Return the runs in several bags, in their order.
+    """Return the runs in several bags, in their order; a run that stands in two of them has a defect that says so.
 
     Raises
     ------
@@ -239,4 +239,11 @@ def runs_of(paths: Iterable[Path]) -> list[RunBag]:
         One of them is no bag, or has no run of this rig in it.
 
     """
-    return [bag for path in paths for bag in open_runs(path)]
+    bags = [bag for path in paths for bag in open_runs(path)]
+    alike: dict[tuple[int, int], list[RunBag]] = {}
+    for bag in bags:
+        others = alike.setdefault((bag.number, bag.messages), [])
+        same = (other for other in others if other.digest == bag.digest and other.path.resolve() != bag.path.resolve())
+        bag.repeats = next((other.path for other in same), None)
+        others.append(bag)
+    return bags

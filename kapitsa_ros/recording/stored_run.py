@@ -63,6 +63,8 @@ class StoredRun:
         promised = {} if self.several else self._recording.promise.custom
         self.integrity = leave_out_damaged(self._index, self._recording.table, promised)
         """What the digests say."""
+        self.repeats: Path | None = None
+        """Another bag given beside this one that holds the same run; `runs_of` looks for it."""
 
     def __repr__(self) -> str:
         """Return what it is and where."""
@@ -128,7 +130,12 @@ class StoredRun:
     @cached_property
     def defects(self) -> tuple[str, ...]:
         """What is missing or damaged, a sentence each; empty for a bag that is as it should be."""
-        found = (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        found = [*self._recording.defects, *self.integrity.defects, *self._index.defects()]
+        if self.repeats is not None:
+            found.append(
+                f'the run is that of {self.repeats}, given once more: in an analysis it counts each time, '
+                'which makes the interval too narrow'
+            )
         return tuple(map(printable, found))
 
     def raw(self, *names: str, begin: int = 0, end: float = math.inf) -> Iterator[tuple[str, int, bytes]]:

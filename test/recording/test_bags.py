@@ -1,5 +1,6 @@
 """Bags: written step by step, read back, and refused where they are none."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import refuse_existing, run_folders, run_name
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import RunBag, runs_of
 from kapitsa_ros.recording.writer import RunWriter
 from kapitsa_ros.units import RPM
 
@@ -72,6 +73,16 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
     (tmp_path / 'empty' / 'metadata.yaml').write_text('hello: [')
     with pytest.raises(BagError, match='cannot be read'):
         RunBag(tmp_path / 'empty')
+
+
+def test_a_run_that_is_given_twice_says_so(tmp_path: Path) -> None:
+    """As a copy, or as the file in its folder; the same folder twice is told by its name."""
+    first, other = write(tmp_path / 'run'), write(tmp_path / 'other', leave_out=3)
+    copy = Path(shutil.copytree(first, tmp_path / 'copy'))
+    bags = runs_of([first, other, copy, first / 'run_0.mcap', first])
+    assert [bag.repeats for bag in bags] == [None, None, first, first, copy]
+    assert any(f'the run is that of {first}, given once more' in defect for defect in bags[2].defects)
+    assert not bags[0].defects
 
 
 def test_a_folder_of_bags_is_called_one(tmp_path: Path) -> None:
