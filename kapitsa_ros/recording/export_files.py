@@ -17,6 +17,7 @@ from kapitsa_ros.network.registry import MOTION
 from kapitsa_ros.network.typestore import new_message, new_time, serialise
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.bag_writer import BagWriter
+from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.export import described, joined, tables, time_of, unit_of
 
 if TYPE_CHECKING:
@@ -122,6 +123,8 @@ def _put(file: Any, name: str, dimension: str, values: Any, *, unit: str) -> Non
 
 def _write_joint_states(bag: RunBag, path: Path) -> int:
     motion = bag.motion
+    if not motion.angle.size:
+        raise BagError(f'{bag.path} has no motion that could be written')
     [joint] = [MOTION.codec.joint]  # type: ignore[attr-defined]
     writer = BagWriter(path, version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)

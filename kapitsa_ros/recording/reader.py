@@ -20,7 +20,7 @@ from kapitsa_ros.network.registry import (
 from kapitsa_ros.network.run_builder import RunBuilder
 from kapitsa_ros.network.settings import parse_settings
 from kapitsa_ros.network.step_clock import SECOND
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.motion import Motion, joined_motion
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import REQUIRED_ROLES, RUN_TOPICS, begun_runs
@@ -80,7 +80,8 @@ class RunBag(StoredRun):
         except (WireError, KeyError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
         if not count:
-            raise BagError(f'{self.path} holds no step of a run')
+            why = f': {printable(self.integrity.defects[0])}' if self.integrity.defects else ''
+            raise BagError(f'{self.path} holds no step of a run{why}')
         return builder.build(complete=self.complete)
 
     @cached_property

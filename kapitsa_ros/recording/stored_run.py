@@ -93,6 +93,11 @@ class StoredRun:
         return run_digest(self._index, self._recording.table)
 
     @property
+    def absent(self) -> tuple[str, ...]:
+        """Names of the topics of a rig on which the bag has no message of the run, though others may have."""
+        return tuple(self._index.absent)
+
+    @property
     def processor(self) -> tuple[str, ...] | None:
         """Architecture and extensions of the processor that it was recorded on; None: the bag does not say."""
         return parse_processor(self._recording.promise.custom.get(PROCESSOR_KEY))

@@ -37,7 +37,7 @@ def info(*, path: Path, as_json: bool) -> None:
     else:
         for run, each in zip(runs, values, strict=True):
             show_table(bag_table(each))
-            say(bag_conclusion(each, run.run, str(path)))
+            say(bag_conclusion(each, run.run, str(path), run.absent))
     for defect in dict.fromkeys(defect for run in runs for defect in run.defects):
         warn(f'{path}: {defect}')
 
