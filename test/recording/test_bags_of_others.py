@@ -17,6 +17,7 @@ from mutations import meaning
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from kapitsa_ros import read_motion
 from kapitsa_ros.cli.commands.bag import bag as bag_command
 from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.cdr import read_step_id
@@ -293,3 +294,21 @@ def test_a_topic_that_was_taken_out_of_a_bag_with_digests_is_named(tmp_path: Pat
     rest = write(tmp_path / 'rest', (each for each in messages(made_up) if each.topic != '/pendulum/motion'))
     with pytest.raises(BagError, match=r'no step of a run: steps 0 to 12 of run 1 are damaged \(pendulum/motion\)'):
         _ = RunBag(rest).run
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_a_rig_in_a_namespace_is_the_rig_that_it_is(tmp_path: Path, storage: str) -> None:
+    """`ros2 bag record -a` beside it writes the whole names."""
+    run = made_up_run(tmp_path / 'run')
+
+    def within(*namespaces: str) -> Iterator[Message]:
+        yield Message('/rosout_of_others', 'std_msgs/msg/String', 1, encode_settings('hello'))
+        for namespace in namespaces:
+            yield from (each._replace(topic=f'{namespace}{each.topic}') for each in messages(run))
+
+    recorded = write(tmp_path / 'lab', within('/lab/left'), storage)
+    assert meaning(RunBag(recorded)) == meaning(RunBag(run))
+    assert (RunBag(recorded).integrity.ok, RunBag(recorded).defects) == (True, ())
+    assert (read_motion(recorded).angle == RunBag(run).motion.angle).all()
+    with pytest.raises(BagError, match='holds the rigs of /left, /right: record, or convert'):
+        RunBag(write(tmp_path / 'both', within('/left', '/right'), storage))
