@@ -18,6 +18,7 @@ from kapitsa_ros.network.run import Run
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.joint_samples import read_joint
 from kapitsa_ros.recording.naming import name_of
+from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -61,11 +62,13 @@ def analyse_joints(
     BagError
         A bag cannot be read, or has no such joint.
     AnalysisError
-        There are not as many speeds as bags, or a motion shows no swing.
+        There are not as many speeds as bags, one is not above 0, or a motion shows no swing.
 
     """
     if len(speeds) != len(paths):
         raise AnalysisError(f'{len(speeds)} speeds for {len(paths)} bags: give one for each, in their order')
+    if any(speed <= 0.0 for speed in speeds):
+        raise AnalysisError(f'a speed of {min(speeds) / RPM:g} RPM: the shaft has to turn, give one above 0')
     recorded, runs = [], []
     for number, (path, speed) in enumerate(zip(paths, speeds, strict=True), start=1):
         samples = read_joint(path, joint)

@@ -170,7 +170,7 @@ def _chosen(path: Path, by_topic: dict[str, _Topic], joint: str) -> tuple[str, s
         found = [(topic, name)]
     if not found:
         there = ', '.join(sorted({each for topic in by_topic.values() for each in topic.joints()}))
-        none = 'none whose messages can be read' if by_topic else f'none, as it has no {_TYPE}'
+        none = 'none whose messages can be read' if by_topic else f'none, as it has no {_TYPE} but those of a rig'
         raise BagError(f'{path} has no joint {joint}: {there or none}')
     if len(found) > 1:
         ways = ' or '.join(f'{topic}:{joint}' for topic, _ in found)

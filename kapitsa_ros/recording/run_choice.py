@@ -77,4 +77,5 @@ def _refuse_others(path: Path, recording: Recording) -> None:
             f'; joint {" or ".join(map(printable, joints))} in it is analysed by '
             f'`kapitsa analyse {path} --joint NAME --speed RPM`, which is all that can be done with a bag of others'
         )
-        raise BagError(f'{path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}{mend * bool(joints)}')
+        why = '; '.join([*lacks, *(wrong[:1] or recording.damages[:1])])  # what is damaged may be what it lacks
+        raise BagError(f'{path} is no run of this rig: {why}{mend * bool(joints)}')

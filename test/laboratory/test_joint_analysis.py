@@ -164,7 +164,9 @@ def test_what_cannot_be_read_of_a_joint_is_said(tmp_path: Path) -> None:
     bag = write_joints(tmp_path / 'run', (('/arm', time, ['θ'], []) for time, _ in FEW))
     with pytest.raises(BagError, match='none of the 20 messages on arm has a position of θ'):
         read_joint(bag, 'θ')
-    with pytest.raises(BagError, match='has no joint φ: none, as it has no sensor_msgs/msg/JointState'):
+    with pytest.raises(
+        BagError, match='has no joint φ: none, as it has no sensor_msgs/msg/JointState but those of a rig'
+    ):
         read_joint(write_joints(tmp_path / 'empty', []), 'φ')
 
 
@@ -225,6 +227,7 @@ def test_the_command_line(tmp_path: Path) -> None:
     for wrong, words in (
         (['--joint', 'θ'], '--speed is needed with --joint'),
         (['--speed', '2500'], 'it is for --joint'),
+        (['--joint', 'θ', '--speed', '0'], 'a speed of 0 RPM: the shaft has to turn'),
         (['--joint', 'θ', '--speed', '2500', '--table', 'x.csv'], 'a motion has no timings'),
     ):
         assert words in str(CliRunner().invoke(analyse, [bag, *wrong]).exception)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bag_of_a_made_up_run import SETTINGS, write
+from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
@@ -100,6 +101,18 @@ def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
         writer.write(connection, 1, encode_settings('hello'))
     with pytest.raises(BagError, match='lacks operator/command, strobe/reading'):
         RunBag(tmp_path / 'other')
+
+
+def test_where_what_a_bag_lacks_is_damaged_that_is_said(tmp_path: Path) -> None:
+    """Its first chunk holds the settings."""
+    file = write(tmp_path / 'run') / 'run_0.mcap'
+    raw = bytearray(file.read_bytes())
+    with file.open('rb') as opened:
+        first = make_reader(opened).get_summary().chunk_indexes[0].chunk_start_offset
+    raw[first + 9 + 24] ^= 1  # its checksum
+    file.write_bytes(raw)
+    with pytest.raises(BagError, match=r'lacks jigsaw/settings, .*; run_0\.mcap: the record at byte .* is damaged'):
+        RunBag(tmp_path / 'run')
 
 
 def test_a_bag_that_was_cut_short_says_so(tmp_path: Path) -> None:
