@@ -50,10 +50,10 @@ def replacing(path: Path) -> Iterator[Path]:
         The file or its folder cannot be written.
 
     """
-    path = path.resolve()
-    if path.exists() and not path.is_file():
+    if path.exists() and not path.is_file():  # before its links are followed: a pipe has no path in the end
         yield path
         return
+    path = path.resolve()
     if path.exists() and not os.access(path, os.W_OK):
         raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
     # A folder beside the file, and the file's own name in it: writers look at suffixes, and umask sets the mode.

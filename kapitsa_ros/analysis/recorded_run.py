@@ -86,6 +86,7 @@ class RecordedRun:
             if end - begin > held  # shorter is the hand that takes the rod
         ]
         releases = [float(self.time[begin]) for begin, _ in stretches]
+        ends = [*releases, math.inf][1:]
         return tuple(
             FreeSwing(
                 released=released,
@@ -93,7 +94,7 @@ class RecordedRun:
                 time=self.time[begin : end + 1] - released,
                 angle=self.angle[begin : end + 1],
             )
-            for (begin, end), released, until in zip(stretches, releases, [*releases[1:], math.inf], strict=True)
+            for (begin, end), released, until in zip(stretches, releases, ends, strict=True)
         )
 
     def _end_at_one_speed(self, begin: int, end: int) -> int:

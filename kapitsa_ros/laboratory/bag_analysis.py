@@ -79,7 +79,7 @@ def origin(runs: Sequence[Run]) -> dict[str, Any]:
 
     A bag does not tell the protocol; instruments and seed are None where the runs have not the same.
     """
-    instruments = [{name: run.settings[name]['instrument'] for name in ('strobe', 'stopwatch')} for run in runs]
+    instruments = [{name: run.settings[name].get('instrument') for name in ('strobe', 'stopwatch')} for run in runs]
     seeds = [run.settings['strobe'].get('seed') for run in runs]
     return {
         'plant': asdict(runs[0].plant),

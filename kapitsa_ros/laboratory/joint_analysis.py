@@ -17,6 +17,8 @@ from kapitsa_ros.analysis.uneven_series import even_series
 from kapitsa_ros.network.run import Run
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.joint_samples import read_joint
+from kapitsa_ros.recording.naming import name_of
+from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,11 +62,13 @@ def analyse_joints(
     BagError
         A bag cannot be read, or has no such joint.
     AnalysisError
-        There are not as many speeds as bags, or a motion shows no swing.
+        There are not as many speeds as bags, one is not above 0, or a motion shows no swing.
 
     """
     if len(speeds) != len(paths):
         raise AnalysisError(f'{len(speeds)} speeds for {len(paths)} bags: give one for each, in their order')
+    if any(speed <= 0.0 for speed in speeds):
+        raise AnalysisError(f'a speed of {min(speeds) / RPM:g} RPM: the shaft has to turn, give one above 0')
     recorded, runs = [], []
     for number, (path, speed) in enumerate(zip(paths, speeds, strict=True), start=1):
         samples = read_joint(path, joint)
@@ -73,6 +77,12 @@ def analyse_joints(
             series = even_series(seconds, samples.position, samples.rate, _TURN * 2.0 * math.pi / speed)
         except AnalysisError as error:
             raise AnalysisError(f'{path}: {error}') from error
+        low, high = float(series.value.min()), float(series.value.max())
+        if low > 0.0 or high < 0.0:
+            raise AnalysisError(
+                f'{path}: {joint} stays between {low:.3g} and {high:.3g} rad and never passes 0, the upright: '
+                'θ is counted from there'
+            )
         run = Run(
             number=number,
             settings={'pendulum': {'plant': asdict(plant)}, 'jigsaw': {'amplitude': plant.amplitude}},
@@ -82,7 +92,7 @@ def analyse_joints(
             timings=(),
             complete=True,
         )
-        recorded.append(RecordedRun(name=path.name, run=run, time=series.time, angle=series.value))
+        recorded.append(RecordedRun(name=name_of(path), run=run, time=series.time, angle=series.value))
         runs.append(
             {
                 'bag': str(path),

@@ -98,6 +98,8 @@ def compare_run(
 
     """
     bag.refuse_gaps()
+    if bag.absent:
+        raise BagError(f'{bag.path} has no message on {", ".join(bag.absent)}: what is not there cannot be compared')
     found, whole = Verification(), sha256()
     try:
         for step_id, step in groupby(bag.raw(*_NAMES), key=lambda message: read_step_id(message[2])):

@@ -117,7 +117,7 @@ def described(bag: RunBag) -> dict[str, str]:
         'verified': 'unknown' if bag.integrity.ok is None else str(bag.integrity.ok).lower(),
         'complete': str(bag.complete).lower(),
         'defects': json.dumps(list(bag.defects)),
-        'settings': json.dumps({role: json.loads(text) for role, text in bag.settings_texts.items()}),
+        'settings': json.dumps(bag.settings),
     }
 
 

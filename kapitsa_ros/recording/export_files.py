@@ -17,6 +17,7 @@ from kapitsa_ros.network.registry import MOTION
 from kapitsa_ros.network.typestore import new_message, new_time, serialise
 from kapitsa_ros.output_file import check_output, replacing
 from kapitsa_ros.recording.bag_writer import BagWriter
+from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.export import described, joined, tables, time_of, unit_of
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *
     Raises
     ------
     OutputError
-        Something is there already, or it cannot be written.
+        Something is there already, it cannot be written, or topics are given for what has the motion alone.
     BagError
         The run cannot be read.
     MissingPackageError
@@ -58,6 +59,8 @@ def export(bag: RunBag, kind: str, output: Path, topics: tuple[str, ...] = (), *
     """
     if output.is_dir() or (kind == JOINT_STATES and output.exists()):
         raise OutputError(f'{OPTION}: is there already and stays; give another name', option='output', value=output)
+    if kind == JOINT_STATES and topics and {topic.removeprefix('/') for topic in topics} != {MOTION.name}:
+        raise OutputError(f'{OPTION}: joint-states are the motion alone; leave it out', option='topic', value=topics[0])
     check_output(output, overwrite=overwrite)
     if kind == JOINT_STATES:
         return _write_joint_states(bag, output)
@@ -120,6 +123,8 @@ def _put(file: Any, name: str, dimension: str, values: Any, *, unit: str) -> Non
 
 def _write_joint_states(bag: RunBag, path: Path) -> int:
     motion = bag.motion
+    if not motion.angle.size:
+        raise BagError(f'{bag.path} has no motion that could be written')
     [joint] = [MOTION.codec.joint]  # type: ignore[attr-defined]
     writer = BagWriter(path, version=9, storage_plugin=StoragePlugin.MCAP)
     writer.set_compression(CompressionMode.STORAGE, CompressionFormat.ZSTD)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kapitsa_ros.network.cdr import aligned, stamp_of
+from kapitsa_ros.network.cdr import aligned
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import COMMAND, STROBE_READING
 from kapitsa_ros.network.step_clock import SECOND
@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 _TYPE = 'sensor_msgs/msg/JointState'
 _OURS = (COMMAND.name, STROBE_READING.name)
 """Of this type, and no motion."""
-_LITTLE_ENDIAN = b'\x00\x01'
+_ORDERS = {b'\x00\x00': '>', b'\x00\x01': '<'}
+"""Of bytes, by the head of a message; others are of encodings that nothing here reads."""
 _STAMP = slice(4, 12)
 
 
@@ -51,6 +52,13 @@ def read_joint(path: Path, joint: str) -> JointSamples:
 
     The time of a sample is that of its header; where headers carry none, that of recording.
 
+    Parameters
+    ----------
+    path
+        Folder of the bag, or a storage file.
+    joint
+        Its name; where several topics have it, that of the topic before it: `TOPIC:NAME`.
+
     Raises
     ------
     BagError
@@ -58,22 +66,17 @@ def read_joint(path: Path, joint: str) -> JointSamples:
 
     """
     files = BagFiles(path)
-    by_topic: dict[str, list[tuple[NDArray[Any], Any]]] = {}
-    """Stamps and messages in pieces: a table, or one message."""
+    by_topic: dict[str, _Topic] = {}
     try:
         for file in files.files:
             for piece in file.scan_tables():
                 if piece.type == _TYPE and piece.topic not in _OURS:
                     stamps = piece.stamps_ns if isinstance(piece, StoredTable) else np.array([piece.stamp_ns])
-                    by_topic.setdefault(piece.topic, []).append((stamps, piece.data))
+                    by_topic.setdefault(piece.topic, _Topic()).pieces.append((stamps, piece.data))
     finally:
         files.close()
-    found = {topic: each for topic, each in by_topic.items() if joint in _names(each)}
-    if len(found) != 1:
-        there = sorted({name for each in by_topic.values() for name in _names(each)})
-        what = f'has {joint} on {", ".join(found)}' if found else f'has no joint {joint}: {", ".join(there) or "none"}'
-        raise BagError(f'{path} {what}')
-    [(topic, pieces)] = found.items()
+    topic, joint = _chosen(path, by_topic, joint)
+    pieces = by_topic[topic].pieces
     recorded, table = np.concatenate([stamps for stamps, _ in pieces]), _one_table([data for _, data in pieces])
     columns = None if table is None else _from_table(table, joint)
     stamps, position, rate, kept = columns or _one_by_one([row for _, data in pieces for row in _rows(data)], joint)
@@ -81,7 +84,9 @@ def read_joint(path: Path, joint: str) -> JointSamples:
     defects += [file.cut_off for file in files.files if file.cut_off is not None]
     if left_out := recorded.size - stamps.size:
         defects.append(f'{left_out} messages on {topic} are damaged or without {joint}, and left out')
-    if not stamps.size or not np.ptp(stamps):
+    if not stamps.size:
+        raise BagError(f'{path}: none of the {recorded.size} messages on {topic} has a position of {joint}')
+    if not np.ptp(stamps):
         defects.append(f'the headers on {topic} carry no time: that of recording is taken')
         stamps = recorded[kept]
     return JointSamples(stamps_ns=stamps, position=position, rate=rate, defects=tuple(map(printable, defects)))
@@ -96,16 +101,81 @@ def joint_names(path: Path) -> list[str]:
         There is no bag.
 
     """
-    files = BagFiles(path)
-    by_topic: dict[str, list[str]] = {}
+    files, joints = BagFiles(path), _Joints()
     try:
         for file in files.files:
             for piece in file.scan_tables():
-                if piece.type == _TYPE and piece.topic not in {*_OURS, *by_topic}:
-                    by_topic[piece.topic] = _names([(np.empty(0), piece.data)])
+                if piece.type == _TYPE and piece.topic not in _OURS:
+                    joints.add(piece.data)
     finally:
         files.close()
-    return sorted({name for names in by_topic.values() for name in names})
+    return sorted(joints.names)
+
+
+@dataclass
+class _Joints:
+    """The joints that messages name: a message need not name all, nor the same as the one before."""
+
+    names: set[str] = field(default_factory=set)
+    _latest: bytes | None = None
+    """What stood between stamp and positions in the message that was looked into last."""
+
+    def add(self, data: Any) -> None:
+        """Look into a message, or the rows of a table."""
+        if isinstance(data, bytes):
+            self._add(data)
+            return
+        self._add(data[0].tobytes())
+        latest = np.frombuffer(self._latest or b'', np.uint8)
+        there = data[:, _STAMP.stop : _STAMP.stop + latest.size]
+        for row in data if there.shape[1] < latest.size else data[(there != latest).any(axis=1)]:
+            self._add(row.tobytes())
+
+    def _add(self, raw: bytes) -> None:
+        if self._latest is not None and raw.startswith(self._latest, _STAMP.stop):
+            return
+        try:
+            names, at = _named(raw)
+        except (struct.error, UnicodeDecodeError, ValueError):
+            return
+        self.names.update(names)
+        self._latest = raw[_STAMP.stop : at]
+
+
+@dataclass
+class _Topic:
+    """The messages on a topic."""
+
+    pieces: list[tuple[NDArray[Any], Any]] = field(default_factory=list)
+    """Stamps and messages in pieces: a table, or one message."""
+
+    def has(self, joint: str) -> bool:
+        """Whether a message names the joint; mostly the first does."""
+        return joint in self.joints(1) or joint in self.joints()
+
+    def joints(self, pieces: int | None = None) -> set[str]:
+        """Return the joints that the messages name, or those in so many pieces."""
+        found = _Joints()
+        for _, data in self.pieces[:pieces]:
+            found.add(data)
+        return found.names
+
+
+def _chosen(path: Path, by_topic: dict[str, _Topic], joint: str) -> tuple[str, str]:
+    """Return the topic and the name of the joint that is meant."""
+    found = [(topic, joint) for topic, each in by_topic.items() if each.has(joint)]
+    before, _, name = joint.rpartition(':')
+    topic = before.removeprefix('/')
+    if not found and topic in by_topic and by_topic[topic].has(name):
+        found = [(topic, name)]
+    if not found:
+        there = ', '.join(sorted({each for topic in by_topic.values() for each in topic.joints()}))
+        none = 'none whose messages can be read' if by_topic else f'none, as it has no {_TYPE} but those of a rig'
+        raise BagError(f'{path} has no joint {joint}: {there or none}')
+    if len(found) > 1:
+        ways = ' or '.join(f'{topic}:{joint}' for topic, _ in found)
+        raise BagError(f'{path} has {joint} on {", ".join(topic for topic, _ in found)}: name the joint as {ways}')
+    return found[0]
 
 
 def _rows(data: Any) -> list[bytes]:
@@ -124,16 +194,6 @@ def _one_table(pieces: list[Any]) -> NDArray[np.uint8] | None:
     return tables[0] if len(tables) == 1 else np.concatenate(tables)
 
 
-def _names(pieces: list[tuple[NDArray[Any], Any]]) -> list[str]:
-    """Return the joints of the first message that is one."""
-    for _, data in pieces:
-        try:
-            return list(deserialise(_TYPE, data if isinstance(data, bytes) else data[0].tobytes()).name)
-        except WireError:
-            continue
-    return []
-
-
 def _from_table(table: NDArray[np.uint8], joint: str) -> _Columns | None:
     """Read messages that all have the layout of the first, as they do of one writer; None where one has another."""
     first = table[0].tobytes()
@@ -144,7 +204,7 @@ def _from_table(table: NDArray[np.uint8], joint: str) -> _Columns | None:
         return None
     # All but the stamp and the values has to be the same: names and how many values there are.
     fixed = [slice(0, _STAMP.start), slice(_STAMP.stop, at_position), *(slice(at, at + 4) for at in counts)]
-    if first[:2] != _LITTLE_ENDIAN or any((table[:, part] != table[0, part]).any() for part in fixed):
+    if any((table[:, part] != table[0, part]).any() for part in fixed):
         return None
     seconds, nanoseconds = table[:, 4:8].copy().view('<i4')[:, 0], table[:, 8:12].copy().view('<u4')[:, 0]
     stamps = seconds.astype(np.int64) * SECOND + nanoseconds
@@ -159,20 +219,10 @@ def _doubles(table: NDArray[np.uint8], at: int, column: int) -> NDArray[np.float
 
 def _layout(raw: bytes) -> tuple[list[str], int, int | None, list[int]]:
     """Return the names in a message, where positions and rates begin, and where it says how many there are."""
-    at = 12
-    (length,) = struct.unpack_from('<I', raw, at)
-    at += 4 + length
-    at += aligned(at, 4)
-    (count,) = struct.unpack_from('<I', raw, at)
-    if count > len(raw):
-        raise ValueError(count)
-    at += 4
-    names = []
-    for _ in range(count):
-        at += aligned(at, 4)
-        (length,) = struct.unpack_from('<I', raw, at)
-        names.append(raw[at + 4 : at + 3 + length].decode())
-        at += 4 + length
+    names, at = _named(raw)
+    count = len(names)
+    if _ORDERS[raw[:2]] != '<':
+        raise ValueError('these are read one by one')
     places, counts = [], []
     for _ in range(2):
         at += aligned(at, 4)
@@ -188,14 +238,38 @@ def _layout(raw: bytes) -> tuple[list[str], int, int | None, list[int]]:
     return names, places[0], places[1], counts
 
 
+def _named(raw: bytes) -> tuple[list[str], int]:
+    """Return the names in a message, and where they end."""
+    if raw[:2] not in _ORDERS:
+        raise ValueError(f'an encoding {raw[:2].hex()}')
+    whole, at = struct.Struct(f'{_ORDERS[raw[:2]]}I'), _STAMP.stop
+    (length,) = whole.unpack_from(raw, at)
+    at += 4 + length
+    at += aligned(at, 4)
+    (count,) = whole.unpack_from(raw, at)
+    if count > len(raw):
+        raise ValueError(count)
+    at += 4
+    names = []
+    for _ in range(count):
+        at += aligned(at, 4)
+        (length,) = whole.unpack_from(raw, at)
+        names.append(raw[at + 4 : at + 3 + length].decode())
+        at += 4 + length
+    return names, at
+
+
 def _one_by_one(raws: list[bytes], joint: str) -> _Columns:
     rows = []
     for number, raw in enumerate(raws):
         try:
+            if raw[:2] not in _ORDERS:
+                continue
             message = deserialise(_TYPE, raw)
+            time = message.header.stamp
             column = message.name.index(joint)
             rate = float(message.velocity[column]) if len(message.velocity) > column else None
-            rows.append((stamp_of(raw), float(message.position[column]), rate, number))
+            rows.append((time.sec * SECOND + time.nanosec, float(message.position[column]), rate, number))
         except (WireError, ValueError, IndexError):
             continue
     rates = [row[2] for row in rows]

@@ -19,6 +19,11 @@ def run_name(number: int, speed: float) -> str:
     return f'run_{number:02d}_{round(speed / RPM)}rpm'
 
 
+def name_of(path: Path) -> str:
+    """Return the name of a file or folder, of `.` and `..` too."""
+    return path.name if path.name not in {'', '..'} else path.resolve().name
+
+
 def run_number(bag: Path) -> int:
     """Return the number in the name of a run's bag."""
     return int(bag.name.split('_')[1])

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.network.cdr import stamp_of
@@ -19,8 +18,9 @@ from kapitsa_ros.network.registry import (
     described_by,
 )
 from kapitsa_ros.network.run_builder import RunBuilder
+from kapitsa_ros.network.settings import parse_settings
 from kapitsa_ros.network.step_clock import SECOND
-from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.motion import Motion, joined_motion
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import REQUIRED_ROLES, RUN_TOPICS, begun_runs
@@ -68,21 +68,39 @@ class RunBag(StoredRun):
 
         """
         try:
-            settings = {node: json.loads(text) for node, text in self.settings_texts.items()}
-            lacking = [role for role in described_by(REQUIRED_ROLES) if role not in settings]
+            lacking = [role for role in described_by(REQUIRED_ROLES) if role not in self.settings]
             if lacking:
                 raise BagError(f'{self.path} is damaged: the settings of {", ".join(lacking)} are lost')
-            builder = RunBuilder(self.number, settings)
+            builder = RunBuilder(self.number, self.settings)
             present = [topic for topic in RUN_TOPICS if topic.name in self._index.present]
             count = 0
             for step in self._steps([topic.name for topic in present]):
                 builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
                 count += 1
-        except (WireError, json.JSONDecodeError, KeyError, RecursionError) as error:
+        except (WireError, KeyError) as error:
             raise BagError(f'{self.path} is damaged: {error}') from error
         if not count:
-            raise BagError(f'{self.path} holds no step of a run')
+            why = f': {printable(self.integrity.defects[0])}' if self.integrity.defects else ''
+            raise BagError(f'{self.path} holds no step of a run{why}')
         return builder.build(complete=self.complete)
+
+    @cached_property
+    def settings(self) -> dict[str, dict[str, Any]]:
+        """What each role that describes the run has said of itself.
+
+        Raises
+        ------
+        BagError
+            Some of it is no settings.
+
+        """
+        found = {}
+        for role, text in self.settings_texts.items():
+            try:
+                found[role] = parse_settings(text)
+            except WireError as error:
+                raise BagError(f'{self.path} is damaged: the settings of {role}: {error}') from error
+        return found
 
     @cached_property
     def motion(self) -> Motion:
@@ -214,7 +232,7 @@ def open_runs(path: str | PathLike[str]) -> tuple[RunBag, ...]:
 
 
 def runs_of(paths: Iterable[Path]) -> list[RunBag]:
-    """Return the runs in several bags, in their order.
+    """Return the runs in several bags, in their order; a run that stands in two of them has a defect that says so.
 
     Raises
     ------
@@ -222,4 +240,11 @@ def runs_of(paths: Iterable[Path]) -> list[RunBag]:
         One of them is no bag, or has no run of this rig in it.
 
     """
-    return [bag for path in paths for bag in open_runs(path)]
+    bags = [bag for path in paths for bag in open_runs(path)]
+    alike: dict[tuple[int, int], list[RunBag]] = {}
+    for bag in bags:
+        others = alike.setdefault((bag.number, bag.messages), [])
+        same = (other for other in others if other.digest == bag.digest and other.path.resolve() != bag.path.resolve())
+        bag.repeats = next((other.path for other in same), None)
+        others.append(bag)
+    return bags

@@ -76,12 +76,15 @@ class Recording:
         """That, and what is missing."""
         self._counts: Counter[str] = Counter()
         self._left_out: Counter[str] = Counter()
-        try:
-            for number, file in enumerate(self._files.files):
-                for message in file.scan():
-                    self._take(number, message)
-        finally:
-            self.close()
+        self._scan()
+        self.namespaces = self._namespaces()
+        """In which the rigs ran whose topics were recorded, where none ran outside of all."""
+        if len(self.namespaces) == 1:
+            # Once more, now that it is known; what no rig in a namespace has made is read once.
+            self._files = BagFiles(path)
+            self.topics.clear()
+            self._counts.clear()
+            self._scan(f'{self.namespaces[0]}/')
         self.promise = self._promise()
         self._collect_defects()
 
@@ -127,9 +130,24 @@ class Recording:
             raise BagError(f'{self.path} was changed while it was read')
         return raw
 
+    def _scan(self, prefix: str = '') -> None:
+        """Take in all messages, on topics whose names begin so as if they did not."""
+        try:
+            for number, file in enumerate(self._files.files):
+                for message in file.scan():
+                    self._counts[message.topic] += 1
+                    self._take(number, message._replace(topic=message.topic.removeprefix(prefix)))
+        finally:
+            self.close()
+
+    def _namespaces(self) -> list[str]:
+        if not self.topics.keys().isdisjoint(_TYPES):
+            return []
+        ends = [f'/{name}' for name in _TYPES]
+        return sorted({name.removesuffix(end) for name in self.topics for end in ends if name.endswith(end)})
+
     def _take(self, file: int, message: StoredMessage) -> None:
         topic = message.topic
-        self._counts[topic] += 1
         self.topics.setdefault(topic, message.type)
         if topic == DIGEST_TOPIC:
             group = parse_group(message.data)

@@ -14,6 +14,7 @@ from kapitsa_ros.errors import OPTION
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.naming import name_of
 from kapitsa_ros.recording.reader import open_runs
 from kapitsa_ros.recording.storage.bag_files import METADATA
 from kapitsa_ros.recording.storage_control import is_being_recorded
@@ -60,19 +61,25 @@ def recover(path: Path, output: Path | None = None) -> list[Recovered]:
     runs = open_runs(path)
     if output is None:
         (run,) = _in_place(path, runs)
+        about = _about(run, path)  # now: it reads the old bag
         if run.is_whole:
-            return [_about(run, path)]
-        # Beside the old one: on the same disk, a folder takes the place of another in one step.
-        with _folder_beside(path) as folder:
-            made = Path(folder) / path.name
+            return [about]
+        # Beside the old one: on the same disk, a folder takes the place of another in one step. A link stays one.
+        place = path.resolve()
+        with _folder_beside(place) as folder:
+            made = Path(folder) / place.name
             _write(run, made)
-            old = Path(folder) / f'{path.name}.old'
-            path.rename(old)
-            made.rename(path)
-        return [_about(run, path)]
-    found = []
+            old = Path(folder) / f'{place.name}.old'
+            place.rename(old)
+            try:
+                made.rename(place)
+            except BaseException:  # else the old one would go with the folder
+                old.rename(place)
+                raise
+        return [about]
+    found, stem = [], Path(name_of(path)).stem
     for run in runs:
-        target = output / (f'{path.stem}_run_{run.number:02d}' if run.several else path.stem)
+        target = output / (f'{stem}_run_{run.number:02d}' if run.several else stem)
         _write(run, target)
         found.append(_about(run, target))
     return found
@@ -96,11 +103,9 @@ def _in_place(path: Path, runs: tuple[RunBag, ...]) -> tuple[RunBag, ...]:
 
 def _folder_beside(path: Path) -> tempfile.TemporaryDirectory[str]:
     try:
-        return tempfile.TemporaryDirectory(prefix='.', dir=path.resolve().parent)
+        return tempfile.TemporaryDirectory(prefix='.', dir=path.parent)
     except OSError as error:
-        raise BagError(
-            f'{path.resolve().parent} cannot be written ({error.strerror}): give {OPTION}', option='output'
-        ) from error
+        raise BagError(f'{path.parent} cannot be written ({error.strerror}): give {OPTION}', option='output') from error
 
 
 def _write(run: RunBag, path: Path) -> None:

@@ -63,6 +63,9 @@ def _refuse_others(path: Path, recording: Recording) -> None:
     if not recording.topics:
         damage = f'is damaged: {recording.damages[0]}' if recording.damages else 'is empty: the run was never begun'
         raise BagError(f'{path} {damage}')
+    if len(recording.namespaces) > 1:
+        there = ', '.join(f'/{printable(each)}' for each in recording.namespaces)
+        raise BagError(f'{path} holds the rigs of {there}: record, or convert to a bag of its own, the topics of one')
     needed = [topic.name for topic in RUN_TOPICS if not writer_of(topic).optional]
     needed += map(settings_topic, described_by(REQUIRED_ROLES))
     missing = [name for name in needed if name not in recording.topics]
@@ -74,4 +77,5 @@ def _refuse_others(path: Path, recording: Recording) -> None:
             f'; joint {" or ".join(map(printable, joints))} in it is analysed by '
             f'`kapitsa analyse {path} --joint NAME --speed RPM`, which is all that can be done with a bag of others'
         )
-        raise BagError(f'{path} is no run of this rig: {"; ".join([*lacks, *wrong[:1]])}{mend * bool(joints)}')
+        why = '; '.join([*lacks, *(wrong[:1] or recording.damages[:1])])  # what is damaged may be what it lacks
+        raise BagError(f'{path} is no run of this rig: {why}{mend * bool(joints)}')

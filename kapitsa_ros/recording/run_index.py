@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.network.registry import REPLAYED, STROBE_READING
+from kapitsa_ros.network.registry import REPLAYED, STROBE_READING, writer_of
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.step_map import StepMap
 
@@ -57,6 +57,11 @@ class RunIndex:
         return [topic.name for topic in REPLAYED if self.steps[topic.name]]
 
     @property
+    def absent(self) -> list[str]:
+        """Names of the topics of a rig, those of optional roles aside, that have no message of this run."""
+        return [topic.name for topic in REPLAYED if not writer_of(topic).optional and not self.steps[topic.name]]
+
+    @property
     def end(self) -> int | None:
         """Step before which the run is over; None: its end is not there."""
         return next(map(int, self.ends[STROBE_READING.name].steps()), None)
@@ -96,6 +101,8 @@ class RunIndex:
         for topic in self.present:
             if missing := self.missing(topic):
                 by_steps.setdefault(missing, []).append(topic)
+        if self.present and (absent := self.absent):
+            found.append(f'run {self.number} has no message on {", ".join(absent)}')
         for missing, topics in by_steps.items():
             where = '' if len(topics) == len(self.present) else f' on {", ".join(topics)}'
             found.append(f'{steps_text(missing)} of run {self.number}: missing{where}')

@@ -16,6 +16,7 @@ from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.recording.errors import BagError, printable
 from kapitsa_ros.recording.integrity import leave_out_damaged, run_digest
+from kapitsa_ros.recording.naming import name_of
 from kapitsa_ros.recording.processor import PROCESSOR_KEY, parse_processor
 from kapitsa_ros.recording.recording import Recording
 from kapitsa_ros.recording.run_choice import begun_runs, chosen_run, format_of
@@ -62,6 +63,8 @@ class StoredRun:
         promised = {} if self.several else self._recording.promise.custom
         self.integrity = leave_out_damaged(self._index, self._recording.table, promised)
         """What the digests say."""
+        self.repeats: Path | None = None
+        """Another bag given beside this one that holds the same run; `runs_of` looks for it."""
 
     def __repr__(self) -> str:
         """Return what it is and where."""
@@ -76,7 +79,8 @@ class StoredRun:
     @property
     def name(self) -> str:
         """Of the run, as tables show it."""
-        return f'{self.path.name} run {self.number}' if self.several else self.path.name
+        folder = name_of(self.path)
+        return f'{folder} run {self.number}' if self.several else folder
 
     @cached_property
     def messages(self) -> int:
@@ -87,6 +91,11 @@ class StoredRun:
     def digest(self) -> str:
         """SHA-256 over the run's messages, as far as they are there; equal runs have equal ones."""
         return run_digest(self._index, self._recording.table)
+
+    @property
+    def absent(self) -> tuple[str, ...]:
+        """Names of the topics of a rig on which the bag has no message of the run, though others may have."""
+        return tuple(self._index.absent)
 
     @property
     def processor(self) -> tuple[str, ...] | None:
@@ -126,7 +135,12 @@ class StoredRun:
     @cached_property
     def defects(self) -> tuple[str, ...]:
         """What is missing or damaged, a sentence each; empty for a bag that is as it should be."""
-        found = (*self._recording.defects, *self.integrity.defects, *self._index.defects())
+        found = [*self._recording.defects, *self.integrity.defects, *self._index.defects()]
+        if self.repeats is not None:
+            found.append(
+                f'the run is that of {self.repeats}, given once more: in an analysis it counts each time, '
+                'which makes the interval too narrow'
+            )
         return tuple(map(printable, found))
 
     def raw(self, *names: str, begin: int = 0, end: float = math.inf) -> Iterator[tuple[str, int, bytes]]:

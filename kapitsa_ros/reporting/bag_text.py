@@ -10,7 +10,7 @@ from rich.table import Table
 from kapitsa_ros.units import RPM, counted
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from kapitsa_ros.network.run import Run
 
@@ -37,8 +37,8 @@ def bag_table(values: Mapping[str, Any]) -> Table:
     return table
 
 
-def bag_conclusion(values: Mapping[str, Any], run: Run, path: str) -> list[str]:
-    """Return what the run is, whether it is whole, and what to do next."""
+def bag_conclusion(values: Mapping[str, Any], run: Run, path: str, absent: Sequence[str] = ()) -> list[str]:
+    """Return what the run is, whether it is whole but for the topics that are absent, and what to do next."""
     kinds = Counter(timing.kind for timing in run.timings)
     swings = ', '.join(f'{number} {kind}' for kind, number in kinds.items()) or 'none timed'
     said = [f'Swings: {swings}; {run.speed_asked / RPM:.0f} RPM asked for.']
@@ -46,6 +46,8 @@ def bag_conclusion(values: Mapping[str, Any], run: Run, path: str) -> list[str]:
         said.append('The run was interrupted: what was recorded until then is there.')
     if values['gaps']:
         said.append(f'{values["lost_s"]:.3g} s of motion are missing, in {counted(values["gaps"], "place")}.')
+    elif values['complete'] and absent:
+        said.append(f'The run came to its end, but nothing of {", ".join(absent)} was recorded.')
     elif values['complete']:
         said.append('The run is whole: it came to its end, and no sample of the motion is missing.')
     said.append(f'Digest: {values["digest"]}')

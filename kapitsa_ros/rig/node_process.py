@@ -10,9 +10,8 @@ from collections import deque
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
-import yaml
-
 from kapitsa_ros.rig.file_in_memory import file_in_memory
+from kapitsa_ros.rig.parameters_yaml import parameters_yaml
 from kapitsa_ros.ros.arguments import COMPOSED
 
 if TYPE_CHECKING:
@@ -64,9 +63,8 @@ class NodeProcess:
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
-            of_any_node = {'/**': {'ros__parameters': dict(parameters)}}
             try:
-                with file_in_memory(yaml.safe_dump(of_any_node, allow_unicode=True)) as file:
+                with file_in_memory(parameters_yaml(parameters)) as file:
                     nodes = self.roles if len(roles) == 1 else (COMPOSED, *roles)
                     self._process = server.start(nodes, file.fileno(), stderr, domain)
             finally:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import PLAYER, RIG_ROLES, described_by
-from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
+from kapitsa_ros.network.settings import SETTINGS_TYPE, parse_settings, settings_topic
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.node_names import node_names
 from kapitsa_ros.ros.qos import LATCHED, message_class
@@ -82,7 +83,7 @@ def _fault(text: str) -> str | None:
     if len(text) > LONGEST:
         return f'settings of {len(text)} characters'
     try:
-        settings = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        return f'no JSON ({error})'
-    return None if isinstance(settings, dict) else f'no JSON object: {text}'
+        parse_settings(text)
+    except WireError as error:
+        return str(error)
+    return None

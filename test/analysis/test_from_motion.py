@@ -117,3 +117,10 @@ def test_a_swing_ends_where_another_speed_is_asked_for():
     assert recorded.forcing_of(swing) == 2400 * RPM
     with pytest.raises(AnalysisError, match='the speed was changed in this run'):
         evidence_from_motion([recorded], NOMINAL)
+
+
+def test_a_motion_that_is_over_before_a_hand_could_let_go_is_no_swing():
+    short = replace(recorded(NOMINAL, 2500), time=np.arange(20) * 1e-3, angle=np.linspace(0.12, 0.11, 20))
+    assert short.swings() == ()
+    with pytest.raises(AnalysisError, match='shows no swing'):
+        short.free_swing()

@@ -142,3 +142,14 @@ def test_what_is_no_file_is_written_and_stays(tmp_path: Path) -> None:
     assert len(os.read(reader, 4096).splitlines()) == 4
     os.close(reader)
     assert pipe.is_fifo()
+
+
+def test_a_pipe_without_a_name_is_written(tmp_path: Path) -> None:
+    """What /dev/stdout leads to where another program reads it: the link's end is no path."""
+    reader, writer = os.pipe()
+    link = tmp_path / 'stdout.csv'
+    link.symlink_to(f'/dev/fd/{writer}')
+    write_table(link, {'time_s': np.zeros(3)})
+    assert len(os.read(reader, 4096).splitlines()) == 4
+    os.close(writer)
+    os.close(reader)

@@ -244,6 +244,9 @@ def test_bag_given_twice_is_said_to_count_twice(kapitsa):
     bag = resource_path('bags', 'run_01_2240rpm')
     assert 'run_01_2240rpm is given more than once' in kapitsa('analyse', bag, bag, '--json').err
     assert not kapitsa('analyse', bag, '--json').err
+    late = kapitsa('replay', bag, bag, '--start', '9e6')
+    assert late.status == 2
+    assert 'run_01_2240rpm is given more than once' in late.err
 
 
 def test_bag_that_is_none_is_refused_before_anything_is_written(tmp_path):

@@ -1,7 +1,7 @@
 """Bags that know nothing of this package: one joint, stamps of wall time, jitter, drops, repetitions."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,10 @@ from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS
 from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
 from kapitsa_ros.analysis.uneven_series import even_series
 from kapitsa_ros.cli.commands.analyse import analyse
+from kapitsa_ros.laboratory.joint_analysis import analyse_joints
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.recording.errors import BagError
-from kapitsa_ros.recording.joint_samples import read_joint
+from kapitsa_ros.recording.joint_samples import joint_names, read_joint
 from kapitsa_ros.units import RPM
 
 STORE = get_typestore(Stores.ROS2_JAZZY)
@@ -111,6 +113,92 @@ def test_a_joint_that_is_not_there_is_named_beside_those_that_are(tmp_path: Path
         read_joint(write(tmp_path / 'run', EVEN[:9], theta(EVEN[:9])), 'shoulder')
 
 
+def write_joints(
+    path: Path, samples: Iterable[tuple[str, float, list[str], list[float]]], *, little_endian: bool = True
+) -> Path:
+    """Write topic, time, joints and positions as they are."""
+    kind, empty = 'sensor_msgs/msg/JointState', np.array([])
+    types, links = STORE.types, {}
+    with Writer(path, version=9, storage_plugin=StoragePlugin.MCAP) as writer:
+        for topic, seconds, joints, positions in samples:
+            stamp = WALL + round(seconds * 1e9)
+            time = types['builtin_interfaces/msg/Time'](*divmod(stamp, 10**9))
+            message = types[kind](types['std_msgs/msg/Header'](time, 'base'), joints, np.array(positions), empty, empty)
+            if topic not in links:
+                links[topic] = writer.add_connection(topic, kind, typestore=STORE)
+            writer.write(links[topic], stamp, STORE.serialize_cdr(message, kind, little_endian=little_endian))
+    return path
+
+
+FEW = [(float(time), float(theta(time))) for time in EVEN[:20]]
+
+
+def test_the_order_of_bytes_is_that_which_a_message_states(tmp_path: Path) -> None:
+    for little_endian in (True, False):
+        samples = (('/arm', time, ['θ'], [angle]) for time, angle in FEW)
+        found = read_joint(write_joints(tmp_path / f'{little_endian}', samples, little_endian=little_endian), 'θ')
+        assert ((found.stamps_ns - WALL) / 1e9).tolist() == pytest.approx([time for time, _ in FEW], abs=1e-9)
+        assert found.position.tolist() == [angle for _, angle in FEW]
+
+
+def test_a_joint_that_not_every_message_names_is_found(tmp_path: Path) -> None:
+    turns = ((('/arm', time, ['hand'], [0.0]), ('/arm', time, ['θ'], [angle])) for time, angle in FEW)
+    bag = write_joints(tmp_path / 'run', (sample for both in turns for sample in both))
+    found = read_joint(bag, 'θ')
+    assert found.position.tolist() == [angle for _, angle in FEW]
+    assert any('20 messages on arm are damaged or without θ' in defect for defect in found.defects)
+    assert joint_names(bag) == ['hand', 'θ']
+
+
+def test_of_a_joint_on_several_topics_that_of_one_can_be_named(tmp_path: Path) -> None:
+    both = ((('/asked', time, ['θ'], [0.0]), ('/seen', time, ['θ'], [angle])) for time, angle in FEW)
+    bag = write_joints(tmp_path / 'run', (sample for pair in both for sample in pair))
+    with pytest.raises(BagError, match='has θ on asked, seen: name the joint as asked:θ or seen:θ'):
+        read_joint(bag, 'θ')
+    for name in ('seen:θ', '/seen:θ'):
+        assert read_joint(bag, name).position.tolist() == [angle for _, angle in FEW]
+
+
+def test_what_cannot_be_read_of_a_joint_is_said(tmp_path: Path) -> None:
+    bag = write_joints(tmp_path / 'run', (('/arm', time, ['θ'], []) for time, _ in FEW))
+    with pytest.raises(BagError, match='none of the 20 messages on arm has a position of θ'):
+        read_joint(bag, 'θ')
+    with pytest.raises(
+        BagError, match='has no joint φ: none, as it has no sensor_msgs/msg/JointState but those of a rig'
+    ):
+        read_joint(write_joints(tmp_path / 'empty', []), 'φ')
+
+
+def test_a_clock_that_was_set_back_does_not_mix_two_motions() -> None:
+    again = np.concatenate((EVEN[:7000], EVEN[:5000] + 0.0005))
+    value = np.concatenate((theta(EVEN[:7000]), theta(EVEN[7000:])))
+    series = even_series(again, value, None, 0.006)
+    assert series.value == pytest.approx(theta(EVEN[:7000]))
+    [said] = series.defects
+    assert said == 'the clock of the samples was set back 1 time: analysed is the longest part, 7000 of 12000 samples'
+    late = np.arange(12000).reshape(-1, 2, 100)[:, ::-1].ravel()  # lots of a hundred, each other one late
+    twice = np.concatenate((late, late))
+    series = even_series(EVEN[twice], theta(EVEN)[twice], None, 0.006)
+    assert series.value == pytest.approx(theta(EVEN))
+
+
+@pytest.mark.parametrize(('factor', 'said'), [(0.0, 'by 0 times'), (180 / np.pi, 'by 0.0175'), (np.nan, 'not finite')])
+def test_velocities_that_are_none_are_not_taken(factor: float, said: str) -> None:
+    time = np.sort(EVEN + np.random.default_rng(1).uniform(-3e-4, 3e-4, EVEN.size))
+    rate = np.gradient(theta(time), time)
+    alone, *others = (even_series(time, theta(time), each, 0.006) for each in (None, factor * rate, rate))
+    assert (others[0].value == alone.value).all()
+    assert said in others[0].defects[-1]
+    assert others[1].defects == alone.defects
+    assert (others[1].value != alone.value).any()
+
+
+def test_an_angle_that_is_not_counted_from_the_upright_is_named(tmp_path: Path) -> None:
+    bag = write_joints(tmp_path / 'run', (('/arm', time, ['θ'], [angle + np.pi]) for time, angle in FEW))
+    with pytest.raises(AnalysisError, match=r'θ stays between 3\.15 and 3\.15 rad and never passes 0, the upright'):
+        analyse_joints([bag], 'θ', [SPEED], Plant())
+
+
 def test_what_is_no_motion_is_refused() -> None:
     nothing = np.full(100, np.nan)
     with pytest.raises(AnalysisError, match='0 samples are no motion'):
@@ -137,6 +225,7 @@ def test_the_command_line(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
     for wrong, words in (
         (['--joint', 'θ'], '--speed is needed with --joint'),
         (['--speed', '2500'], 'it is for --joint'),
+        (['--joint', 'θ', '--speed', '0'], 'a speed of 0 RPM: the shaft has to turn'),
         (['--joint', 'θ', '--speed', '2500', '--table', 'x.csv'], 'a motion has no timings'),
     ):
         assert words in str(CliRunner().invoke(analyse, [bag, *wrong]).exception)

@@ -13,9 +13,11 @@ from mutations import REFUSED, SAID, SAME, meaning, mutants, outcome
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
-from kapitsa_ros.laboratory.bag_analysis import analyse_motions
+from kapitsa_ros.laboratory.bag_analysis import analyse_motions, origin
+from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.export_files import export
 from kapitsa_ros.recording.reader import RunBag
 
 STORAGES = ['mcap', 'sqlite3']
@@ -159,6 +161,35 @@ def test_damaged_motion_does_not_reach_the_fit(tmp_path: Path, capfd: pytest.Cap
     with pytest.raises(BagError, match='is none'):
         analyse_motions([tmp_path / 'run'])
     assert capfd.readouterr() == ('', '')
+
+
+@pytest.mark.parametrize(
+    ('role', 'text', 'why'),
+    [
+        ('strobe', '[1]', 'strobe: no JSON object'),
+        ('jigsaw', 'amplitude', 'jigsaw: no JSON'),
+        ('strobe', '{"seed": "1"}', 'strobe: seed is no whole number from 0 on: "1"'),
+        ('stopwatch', '{"seed": 1.5}', 'stopwatch: seed is no whole number'),
+        ('strobe', '{"seed": 1, "instrument": null}', 'strobe: instrument is no JSON object: null'),
+        ('jigsaw', '{"amplitude": 0.0127, "versions": 3}', 'jigsaw: versions is no JSON object: 3'),
+        ('pendulum', '{"plant": [1]}', r'pendulum: plant is no JSON object: \[1\]'),
+    ],
+)
+def test_settings_of_another_shape_are_refused(tmp_path: Path, role: str, text: str, why: str) -> None:
+    """They are intact, so that no digest tells: somebody's own node has written them."""
+    bag = RunBag(write(tmp_path / 'run', samples=10, settings=SETTINGS | {role: text}))
+    for use in (verify_run, lambda bag: bag.run, lambda bag: export(bag, 'csv', tmp_path / 'run.csv')):
+        with pytest.raises(BagError, match=f'run is damaged: the settings of {why}'):
+            use(bag)
+    assert not (tmp_path / 'run.csv').exists()
+
+
+def test_a_motion_needs_no_settings_of_the_instruments(tmp_path: Path) -> None:
+    """A rig of somebody's own may have instruments that say nothing of themselves."""
+    assert origin([RunBag(write(tmp_path / 'run', samples=10)).run])['instruments'] == {
+        'strobe': None,
+        'stopwatch': None,
+    }
 
 
 def bag_of(path: Path, *messages: tuple[str, str, bytes]) -> Path:

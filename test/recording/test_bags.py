@@ -1,17 +1,19 @@
 """Bags: written step by step, read back, and refused where they are none."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 from bag_of_a_made_up_run import SETTINGS, write
+from mcap.reader import make_reader
 from rosbags.rosbag2 import Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import refuse_existing, run_folders, run_name
-from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.recording.reader import RunBag, runs_of
 from kapitsa_ros.recording.writer import RunWriter
 from kapitsa_ros.units import RPM
 
@@ -74,6 +76,23 @@ def test_what_is_no_bag_is_refused(tmp_path: Path) -> None:
         RunBag(tmp_path / 'empty')
 
 
+def test_a_run_that_is_given_twice_says_so(tmp_path: Path) -> None:
+    """As a copy, or as the file in its folder; the same folder twice is told by its name."""
+    first, other = write(tmp_path / 'run'), write(tmp_path / 'other', leave_out=3)
+    copy = Path(shutil.copytree(first, tmp_path / 'copy'))
+    bags = runs_of([first, other, copy, first / 'run_0.mcap', first])
+    assert [bag.repeats for bag in bags] == [None, None, first, first, copy]
+    assert any(f'the run is that of {first}, given once more' in defect for defect in bags[2].defects)
+    assert not bags[0].defects
+
+
+def test_a_folder_of_bags_is_called_one(tmp_path: Path) -> None:
+    for number in (10, 9):
+        write(tmp_path / f'run_{number}')
+    with pytest.raises(BagError, match=r'is a folder of 2: give one of them, such as .*/run_9$'):
+        RunBag(tmp_path)
+
+
 def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
     with Writer(tmp_path / 'other', version=9, storage_plugin=StoragePlugin.MCAP) as writer:
         connection = writer.add_connection(
@@ -82,6 +101,18 @@ def test_a_bag_of_something_else_is_refused(tmp_path: Path) -> None:
         writer.write(connection, 1, encode_settings('hello'))
     with pytest.raises(BagError, match='lacks operator/command, strobe/reading'):
         RunBag(tmp_path / 'other')
+
+
+def test_where_what_a_bag_lacks_is_damaged_that_is_said(tmp_path: Path) -> None:
+    """Its first chunk holds the settings."""
+    file = write(tmp_path / 'run') / 'run_0.mcap'
+    raw = bytearray(file.read_bytes())
+    with file.open('rb') as opened:
+        first = make_reader(opened).get_summary().chunk_indexes[0].chunk_start_offset
+    raw[first + 9 + 24] ^= 1  # its checksum
+    file.write_bytes(raw)
+    with pytest.raises(BagError, match=r'lacks jigsaw/settings, .*; run_0\.mcap: the record at byte .* is damaged'):
+        RunBag(tmp_path / 'run')
 
 
 def test_a_bag_that_was_cut_short_says_so(tmp_path: Path) -> None:

@@ -9,15 +9,21 @@ import numpy as np
 import pytest
 import yaml
 import zstandard
+from bag_of_a_made_up_run import write as made_up_run
+from click.testing import CliRunner
 from mcap.writer import CompressionType
 from mcap.writer import Writer as McapWriter
 from mutations import meaning
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from kapitsa_ros import read_motion
+from kapitsa_ros.cli.commands.bag import bag as bag_command
+from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.settings import encode_settings
 from kapitsa_ros.recording.errors import BagError
+from kapitsa_ros.recording.export_files import export
 from kapitsa_ros.recording.reader import RunBag, open_runs
 from kapitsa_ros.recording.recover import recover
 
@@ -265,3 +271,44 @@ def test_a_recording_that_began_late_says_so(tmp_path: Path) -> None:
     opened = RunBag(write(tmp_path / 'run', [*settings, *later]))
     assert opened.defects == ('steps 0 to 19 of run 2: missing',)
     assert (opened.motion.gaps, opened.motion.lost) == (1, pytest.approx(2.0))
+
+
+def test_topics_that_nobody_recorded_are_named_and_make_no_run_whole(tmp_path: Path) -> None:
+    """`ros2 bag record` takes the topics that it is told: what is not there is not called identical either."""
+    some = write(tmp_path / 'some', (each for each in messages(SHORT) if each.topic != '/pendulum/motion'))
+    bag = RunBag(some)
+    assert bag.run.timings == RunBag(SHORT).run.timings
+    assert bag.defects == ('run 2 has no message on pendulum/motion',)
+    said = CliRunner().invoke(bag_command, ['info', str(some)])
+    assert 'nothing of pendulum/motion was recorded' in ' '.join(said.stdout.split())
+    assert 'The run is whole' not in said.stdout
+    with pytest.raises(BagError, match='no message on pendulum/motion: what is not there cannot be compared'):
+        verify_run(bag)
+    with pytest.raises(BagError, match='has no motion that could be written'):
+        export(bag, 'joint-states', tmp_path / 'joints')
+    assert not (tmp_path / 'joints').exists()
+
+
+def test_a_topic_that_was_taken_out_of_a_bag_with_digests_is_named(tmp_path: Path) -> None:
+    made_up = made_up_run(tmp_path / 'run')
+    rest = write(tmp_path / 'rest', (each for each in messages(made_up) if each.topic != '/pendulum/motion'))
+    with pytest.raises(BagError, match=r'no step of a run: steps 0 to 12 of run 1 are damaged \(pendulum/motion\)'):
+        _ = RunBag(rest).run
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+def test_a_rig_in_a_namespace_is_the_rig_that_it_is(tmp_path: Path, storage: str) -> None:
+    """`ros2 bag record -a` beside it writes the whole names."""
+    run = made_up_run(tmp_path / 'run')
+
+    def within(*namespaces: str) -> Iterator[Message]:
+        yield Message('/rosout_of_others', 'std_msgs/msg/String', 1, encode_settings('hello'))
+        for namespace in namespaces:
+            yield from (each._replace(topic=f'{namespace}{each.topic}') for each in messages(run))
+
+    recorded = write(tmp_path / 'lab', within('/lab/left'), storage)
+    assert meaning(RunBag(recorded)) == meaning(RunBag(run))
+    assert (RunBag(recorded).integrity.ok, RunBag(recorded).defects) == (True, ())
+    assert (read_motion(recorded).angle == RunBag(run).motion.angle).all()
+    with pytest.raises(BagError, match='holds the rigs of /left, /right: record, or convert'):
+        RunBag(write(tmp_path / 'both', within('/left', '/right'), storage))

@@ -1,6 +1,7 @@
 """Runs in other tools' formats: every number comes back, with its unit; nothing is overwritten."""
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -120,6 +121,22 @@ def test_topics_are_chosen_and_nothing_is_overwritten(tmp_path: Path, run: RunBa
     with pytest.raises(KapitsaError, match='give one of pendulum/motion, jigsaw/pivot'):
         export(run, 'csv', tmp_path / 'other.csv', ('clock',))
     assert not (tmp_path / 'other.csv').exists()
+    with pytest.raises(KapitsaError, match='joint-states are the motion alone'):
+        export(run, 'joint-states', tmp_path / 'joints', (PIVOT.name,))
+    assert not (tmp_path / 'joints').exists()
+
+
+def test_what_goes_to_a_pipe_is_the_table_alone(tmp_path: Path) -> None:
+    """As to /dev/stdout, where another program reads it."""
+    reader, writer = os.pipe()
+    (tmp_path / 'stdout').symlink_to(f'/dev/fd/{writer}')
+    arguments = ['export', str(SHIPPED), '--format', 'csv', '--topic', 'strobe/reading', '--output']
+    done = CliRunner().invoke(bag_command, [*arguments, str(tmp_path / 'stdout')])
+    assert (done.exit_code, done.stdout) == (0, '')
+    assert done.stderr.endswith(' rows\n')
+    os.close(writer)
+    with os.fdopen(reader) as file:
+        assert file.read().count('time_s') == 1
 
 
 def test_the_command_line(tmp_path: Path) -> None:

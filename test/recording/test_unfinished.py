@@ -19,6 +19,7 @@ from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_folders
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.recording.recover import recover
+from kapitsa_ros.recording.storage import mcap_file
 from kapitsa_ros.recording.writer import RunWriter
 
 STORAGES = ['mcap', 'sqlite3']
@@ -112,6 +113,60 @@ def test_a_killed_bag_becomes_a_whole_one_in_its_place(tmp_path: Path, storage: 
     assert sorted(tmp_path.iterdir()) == [path], 'nothing is left beside it'
     assert len(list(path.iterdir())) == 2, 'metadata and the file'
     assert recover(path)[0].steps == made.steps, 'a whole bag stays as it is'
+
+
+def unfinished(path: Path) -> Path:
+    """Return a bag whose metadata were never written."""
+    (write(path, end=False) / 'metadata.yaml').unlink()
+    return path
+
+
+def test_a_bag_that_is_larger_than_what_is_kept_of_it_is_recovered(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is said of it is read of the old one, before it makes room."""
+    monkeypatch.setattr(mcap_file, '_KEPT', 0)
+    path = unfinished(tmp_path / 'run').rename(tmp_path / 'renamed')
+    [made] = recover(path)
+    assert (made.steps, made.lost) == (12, 0.0)
+    assert RunBag(path).integrity.ok
+
+
+def test_a_link_to_a_bag_stays_one_and_the_folder_one_is_in_has_a_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real, link = unfinished(tmp_path / 'real' / 'run'), tmp_path / 'link'
+    link.symlink_to(real)
+    assert [made.bag for made in recover(link)] == [link]
+    assert link.is_symlink()
+    assert (RunBag(link).name, RunBag(real).is_whole) == ('link', True)
+    monkeypatch.chdir(unfinished(tmp_path / 'real' / 'other'))
+    assert RunBag('.').name == 'other'
+    [made] = recover(Path(), tmp_path / 'new')
+    assert made.bag == tmp_path / 'new' / 'other'
+    [made] = recover(Path())
+    assert made.steps == 12
+    assert RunBag(tmp_path / 'real' / 'other').is_whole
+    assert sorted(each.name for each in real.parent.iterdir()) == ['other', 'run']
+
+
+def test_the_old_bag_is_back_where_the_new_one_cannot_take_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = unfinished(tmp_path / 'run')
+    content = {each.name: each.read_bytes() for each in path.iterdir()}
+    rename = Path.rename
+
+    def interrupted(source: Path, target: Path) -> Path:
+        if target == path and not source.name.endswith('.old'):
+            raise KeyboardInterrupt
+        return rename(source, target)
+
+    monkeypatch.setattr(Path, 'rename', interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        recover(path)
+    assert {each.name: each.read_bytes() for each in path.iterdir()} == content
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_bag_under_way_is_not_recovered_but_can_be_looked_into(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from kapitsa_ros.physics.jigsaw_parameters import JigsawParameters
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.rig.parameters_yaml import parameters_yaml
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.parameters import declare_quantity, declare_set
 
@@ -89,3 +90,38 @@ def test_some_may_be_changed(node_with):
 def test_what_cannot_be_is_an_error_of_the_setting(node_with, kind, given, complaint):
     with pytest.raises(SettingError, match=f'^parameter {complaint}' if 'below' not in complaint else complaint):
         declare_set(node_with(**given), kind)
+
+
+def test_texts_reach_a_node_as_texts_and_numbers_as_numbers(context, tmp_path):
+    """A folder for bags may be named n, which rcl takes for a truth value and PyYAML does not."""
+    texts = [
+        'n',
+        'Y',
+        '1e3',
+        'inf',
+        'nan',
+        '0x1F',
+        '007',
+        'on',
+        'null',
+        '',
+        ' a: #b',
+        "it's",
+        'Стол',
+        'a\nb',
+        'x ' * 99,
+    ]
+    given = {'texts': texts, 'whole': 3, 'number': 1e-5, 'flag': True, 'numbers': [1.0, 2.5]}
+    given |= {f'text_{place}': text for place, text in enumerate(texts)}
+    file = tmp_path / 'parameters.yaml'
+    file.write_text(parameters_yaml(given), encoding='utf-8')
+    node = Node(
+        'reader',
+        context=context,
+        cli_args=['--ros-args', '--params-file', str(file)],
+        automatically_declare_parameters_from_overrides=True,
+        start_parameter_services=False,
+    )
+    found = {name: node.get_parameter(name).value for name in given}
+    node.destroy_node()
+    assert {name: list(value) if name.endswith('s') else value for name, value in found.items()} == given

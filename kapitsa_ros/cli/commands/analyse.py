@@ -41,7 +41,11 @@ if TYPE_CHECKING:
     type=click.Choice(list(ESTIMATORS)),
     help=f'of the slow frequency, with --motion  [default: {DEFAULT_ESTIMATOR}]',
 )
-@click.option('--joint', help="name of a joint in others' bags: its position (sensor_msgs/JointState) is θ")
+@click.option(
+    '--joint',
+    help="name of a joint in others' bags: its position (sensor_msgs/JointState) is θ; "
+    'TOPIC:NAME where several topics have it',
+)
 @click.option(
     '--speed', 'speeds', type=SPEED, multiple=True, help='of the shaft, RPM, with --joint: one for each bag, in order'
 )

@@ -37,7 +37,7 @@ def info(*, path: Path, as_json: bool) -> None:
     else:
         for run, each in zip(runs, values, strict=True):
             show_table(bag_table(each))
-            say(bag_conclusion(each, run.run, str(path)))
+            say(bag_conclusion(each, run.run, str(path), run.absent))
     for defect in dict.fromkeys(defect for run in runs for defect in run.defects):
         warn(f'{path}: {defect}')
 
@@ -100,7 +100,8 @@ def export(
     if as_json:
         print_json({'output': str(output), 'rows': rows})
     else:
-        click.echo(f'{output}: {rows} rows')
+        # What is no file may be the standard output, where the rows are then.
+        click.echo(f'{output}: {rows} rows', err=not output.is_dir() and not output.is_file())
 
 
 def _values(opened: RunBag) -> dict[str, Any]:

@@ -95,6 +95,7 @@ def replay(
     except ConfigurationError as error:
         raise click.UsageError(str(error)) from error
     rate = float(loop) if rate is None else rate
+    warn_of_repeats(bags)
     how = Replay(rate=rate, part=part, composed=composed, loop=loop, start_paused=start_paused)
 
     def show(values: dict[str, Any]) -> None:

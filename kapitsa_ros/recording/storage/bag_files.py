@@ -67,6 +67,8 @@ class BagFiles:
                 raise BagError(f'{self.path} is no bag: give the folder of a run')
             there = storage_files(self.path)
             text = self._metadata()
+            if text is None and not there:
+                raise BagError(f'{self.path} is no bag: {_what_else(self.path)}')
         except OSError as error:
             raise BagError(f'{self.path} cannot be read: {error.strerror}') from error
         if text is not None:
@@ -76,8 +78,6 @@ class BagFiles:
                 if not there:
                     raise BagError(f'{self.path} cannot be read: {METADATA}: {error}') from error
                 self.defects.append(f'{METADATA} cannot be used: {error}')
-        elif not there:
-            raise BagError(f'{self.path} is no bag: it has no {METADATA}')
         if self.promise is None:
             return there
         named = [self.path / name for name in self.promise.files]
@@ -161,6 +161,14 @@ def is_bag(path: Path) -> bool:
 
     """
     return path.is_dir() and ((path / METADATA).is_file() or bool(storage_files(path)))
+
+
+def _what_else(folder: Path) -> str:
+    """Say what a folder is that is no bag."""
+    bags = sorted((each for each in folder.iterdir() if is_bag(each)), key=in_order)
+    if not bags:
+        return f'it has no {METADATA}'
+    return f'it is a folder of {len(bags)}: give one of them, such as {bags[0]}'
 
 
 def in_order(path: Path) -> list[tuple[int, str]]:
