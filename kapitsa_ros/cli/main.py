@@ -13,7 +13,7 @@ from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
-from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
+from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
 from kapitsa_ros.cli.standard_streams import keep_streams_open
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
@@ -73,6 +73,8 @@ def main() -> None:
         _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
+    finally:
+        forget_interrupts()
 
 
 def _leave(message: str, status: int) -> None:
