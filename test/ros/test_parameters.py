@@ -12,7 +12,7 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.parameters import declare_quantity, declare_set
+from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set
 
 pytestmark = pytest.mark.xdist_group('processes')
 
@@ -89,3 +89,11 @@ def test_some_may_be_changed(node_with):
 def test_what_cannot_be_is_an_error_of_the_setting(node_with, kind, given, complaint):
     with pytest.raises(SettingError, match=f'^parameter {complaint}' if 'below' not in complaint else complaint):
         declare_set(node_with(**given), kind)
+
+
+def test_a_list_may_be_empty_and_nothing_else(node_with):
+    """Of `-p NAME:=[]` rcl makes a parameter without a value."""
+    node = node_with(bags=None, protocol=None)
+    assert declare(node, 'bags', [''], 'folders') == []
+    with pytest.raises(SettingError, match='parameter protocol is empty: it must be a string'):
+        declare(node, 'protocol', '1997', 'name')
