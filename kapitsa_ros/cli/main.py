@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from importlib import import_module
@@ -66,7 +67,7 @@ def main() -> None:
             # Whoever read the output has left; the interpreter would complain once more when it flushes.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(FAILED)
-        _leave(str(error), FAILED)
+        _leave(f'{error}{_mend(error)}', FAILED)
     except MemoryError as error:
         _leave(f'{error}: ask for less at once (a shorter run, fewer samples)', FAILED)
     except Interrupt as interrupt:
@@ -75,6 +76,18 @@ def main() -> None:
         sys.exit(leave.exit_code)
     finally:
         forget_interrupts()
+
+
+def _mend(error: OSError) -> str:
+    """Return what to do where the system does not say of what it complains."""
+    if error.errno == errno.EMFILE:
+        return ': allow more, with ulimit -n'
+    if error.errno == errno.ENOENT and error.filename is None:
+        try:
+            os.getcwd()  # noqa: PTH109  # that it can be had is what is asked
+        except FileNotFoundError:
+            return ': the current folder is gone, change to another'
+    return ''
 
 
 def _leave(message: str, status: int) -> None:

@@ -71,8 +71,8 @@ class Rig:
     Raises
     ------
     RigError
-        On entering: the domain is taken, or the rig is entered already. From any method: a node died, the message names it
-        and its last lines; or the rig is not entered, or has been left, which `latest` alone allows.
+        On entering: the domain is taken, or the rig is entered already. From any method: a node died, the message names
+        it and its last lines; or the rig is not entered, or has been left, which `latest` alone allows.
     TimeoutError
         From any method that waits: what was waited for did not come.
 

@@ -6,7 +6,6 @@ import threading
 from typing import TYPE_CHECKING, Self
 
 import rclpy
-from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -50,9 +49,10 @@ class ListenerNode:
             # The arguments of the program are its own, and so is a home that takes log files.
             rclpy.init(args=NO_LOG_FILES, context=self._context, domain_id=domain)
             self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
-        except RCLError as error:
+            self._executor = EventsExecutor(context=self._context)
+        except RuntimeError as error:  # RCLError is one; what C++ throws, as without file descriptors, is plain
+            self._context.try_shutdown()
             raise NodeError(no_node_text(error)) from error
-        self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
 
