@@ -15,6 +15,7 @@ from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import wait_until_quiet
+from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -45,6 +46,7 @@ class ListenerNode:
         self._domain = domain
         self._failure: BaseException | None = None
         self._context = Context()
+        load_generator()
         try:
             # The arguments of the program are its own, and so is a home that takes log files.
             rclpy.init(args=NO_LOG_FILES, context=self._context, domain_id=domain)

@@ -3,6 +3,8 @@
 import contextlib
 import math
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -344,3 +346,12 @@ def test_a_rig_that_does_not_run_says_so(tmp_path: Path) -> None:
 def test_what_is_no_domain_is_refused(domain: object) -> None:
     with pytest.raises(UsageError, match='give a number from 0 to 101'), Rig(nodes=(), domain=domain):  # type: ignore[arg-type]
         pass
+
+
+def test_a_program_that_takes_warnings_for_errors_can_have_a_rig() -> None:
+    """As a test suite with `filterwarnings = error`: rclpy imports modules that Python has deprecated."""
+    program = "from kapitsa_ros.rig import Rig\nwith Rig(nodes=()): print('entered')"
+    done = subprocess.run(
+        [sys.executable, '-W', 'error', '-c', program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, 'entered\n'), done.stderr
