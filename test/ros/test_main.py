@@ -261,19 +261,20 @@ def test_the_help_of_a_node_lists_its_parameters(role: str, lines: list[str], do
 
 
 @pytest.mark.parametrize(
-    ('given', 'words'),
+    ('role', 'given', 'words'),
     [
-        ('seed:=[]', 'parameter seed is empty: it must be an integer'),
-        ('use_sim_time:=perhaps', "'use_sim_time' to 'perhaps' of type 'STRING', expecting type 'BOOL'"),
+        ('recorder', 'bags:=/dev/null/runs', '/dev/null/runs cannot be written; give a folder you can write to'),
+        ('strobe', 'seed:=[]', 'parameter seed is empty: it must be an integer'),
+        ('strobe', 'use_sim_time:=perhaps', "'use_sim_time' to 'perhaps' of type 'STRING', expecting type 'BOOL'"),
     ],
 )
-def test_a_value_of_another_type_is_one_line(given: str, words: str, domain: int) -> None:
+def test_a_parameter_that_cannot_be_used_is_one_line(role: str, given: str, words: str, domain: int) -> None:
     done = subprocess.run(
-        [sys.executable, '-m', 'kapitsa_ros.nodes', 'strobe', '--ros-args', '-p', given],
+        [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '-p', given],
         env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert done.returncode == 2
-    assert done.stderr.startswith('strobe: error: parameter')
+    assert done.stderr.startswith(f'{role}: error: parameter')
     assert words in done.stderr
     assert done.stderr.count('\n') == 1
 
