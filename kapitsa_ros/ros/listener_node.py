@@ -6,6 +6,7 @@ import threading
 from typing import TYPE_CHECKING, Self
 
 import rclpy
+from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -52,7 +53,10 @@ class ListenerNode:
             rclpy.init(args=NO_LOG_FILES, context=self._context, domain_id=domain)
             self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
             self._executor = EventsExecutor(context=self._context)
-        except RuntimeError as error:  # RCLError is one; what C++ throws, as without file descriptors, is plain
+        except RuntimeError as error:
+            # What C++ throws, as without file descriptors, is a plain one; so is Python's of a domain that is none.
+            if not (isinstance(error, RCLError) or self._context.ok()):
+                raise
             self._context.try_shutdown()
             raise NodeError(no_node_text(error)) from error
         self._executor.add_node(self._node)
