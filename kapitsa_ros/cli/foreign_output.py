@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
@@ -22,7 +23,10 @@ def foreign_output_on_stderr() -> Iterator[Callable[[], AbstractContextManager[N
     """
     try:
         stdout = os.dup(_STDOUT)
-    except OSError:  # closed: nobody gets anything
+    except OSError as error:
+        if error.errno != errno.EBADF:  # no file descriptor is left: the result could not be kept apart
+            raise
+        # Closed: nobody gets anything.
         yield nullcontext
         return
     try:

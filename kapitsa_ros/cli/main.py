@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from importlib import import_module
@@ -13,7 +14,7 @@ from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
-from kapitsa_ros.cli.signals import Interrupt, interrupt_on_signals
+from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
 from kapitsa_ros.cli.standard_streams import keep_streams_open
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
@@ -66,13 +67,27 @@ def main() -> None:
             # Whoever read the output has left; the interpreter would complain once more when it flushes.
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             sys.exit(FAILED)
-        _leave(str(error), FAILED)
+        _leave(f'{error}{_mend(error)}', FAILED)
     except MemoryError as error:
         _leave(f'{error}: ask for less at once (a shorter run, fewer samples)', FAILED)
     except Interrupt as interrupt:
         _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
+    finally:
+        forget_interrupts()
+
+
+def _mend(error: OSError) -> str:
+    """Return what to do where the system does not say of what it complains."""
+    if error.errno == errno.EMFILE:
+        return ': allow more, with ulimit -n'
+    if error.errno == errno.ENOENT and error.filename is None:
+        try:
+            os.getcwd()  # noqa: PTH109  # that it can be had is what is asked
+        except FileNotFoundError:
+            return ': the current folder is gone, change to another'
+    return ''
 
 
 def _leave(message: str, status: int) -> None:

@@ -158,7 +158,8 @@ def plant_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _number(item: Quantity) -> _Quantity:
-    return _Quantity('float', functools.partial(parse_quantity, unit=item.unit), f'{item.default:g}{item.unit}')
+    example = f'{item.default:g} {item.unit}'.strip()
+    return _Quantity('float', functools.partial(parse_quantity, unit=item.unit), example)
 
 
 def instrument_options(command: Callable[..., Any]) -> Callable[..., Any]:

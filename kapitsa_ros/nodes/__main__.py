@@ -98,7 +98,12 @@ def _module(role: str) -> ModuleType:
 
 def _exit(status: int) -> NoReturn:
     """End the process, signals still ignored: all is closed, and to take down an interpreter takes its time."""
-    sys.stdout.flush()
+    try:
+        sys.stdout.flush()
+    except OSError as error:  # of what --help says
+        status = FAILED
+        if not isinstance(error, BrokenPipeError):
+            print(f'kapitsa: error: {error}', file=sys.stderr)
     sys.stderr.flush()
     os._exit(status)
 

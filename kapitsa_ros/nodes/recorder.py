@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,8 @@ class RecorderNode(StepNode):
         ):
             if value not in choices:
                 raise SettingError(f'parameter {name} is {value!r}: choose {" or ".join(choices)}')
+        if not _can_be_filled(self._bags):
+            raise SettingError(f'parameter bags: {self._bags} cannot be written; give a folder you can write to')
         self._settings = SettingsSubscriber(self)
         self._writer: RunWriter | None = None
 
@@ -100,6 +103,15 @@ class RecorderNode(StepNode):
         if self._writer is not None:
             self._writer.abort()
             self._writer = None
+
+
+def _can_be_filled(folder: Path) -> bool:
+    """Whether it can be written, or be made: a run of others would end with its first step if not."""
+    try:
+        there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    except OSError:  # as of a name that is too long
+        return False
+    return there.is_dir() and os.access(there, os.W_OK | os.X_OK)
 
 
 create = RecorderNode

@@ -39,11 +39,11 @@ def reserved_domain(requested: int | None = None) -> Iterator[int]:
 
     """
     if requested is None and (text := os.environ.get('ROS_DOMAIN_ID')):
-        if not text.isdecimal():
+        if not (text.isascii() and text.isdecimal()):  # rcl does not know other digits
             raise UsageError(f'ROS_DOMAIN_ID is {text!r}: give a number from 0 to {HIGHEST}')
         requested = int(text)
-    if requested is not None and not 0 <= requested <= HIGHEST:
-        raise UsageError(f'ROS_DOMAIN_ID is {requested}: give a number from 0 to {HIGHEST}')
+    if requested is not None and not (type(requested) is int and 0 <= requested <= HIGHEST):
+        raise UsageError(f'ROS_DOMAIN_ID is {requested!r}: give a number from 0 to {HIGHEST}')
     candidates = cycle([requested] if requested is not None else _without_participants())
     reservation = domain_coordinator.domain_id(lambda: next(candidates))
     try:

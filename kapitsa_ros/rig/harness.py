@@ -71,7 +71,8 @@ class Rig:
     Raises
     ------
     RigError
-        On entering: the domain is taken. From any method: a node died; the message names it and its last lines.
+        On entering: the domain is taken, or the rig is entered already. From any method: a node died, the message names
+        it and its last lines; or the rig is not entered, or has been left, which `latest` alone allows.
     TimeoutError
         From any method that waits: what was waited for did not come.
 
@@ -96,7 +97,9 @@ class Rig:
         self._preset, self._instruments, self._protocol = preset, instruments, str(protocol)
         self._seed, self._rate, self._requested_domain = seed, rate, domain
         self._given_bags, self._composed = bags, composed
-        self._stack = ExitStack()
+        self._stack: ExitStack | None = None
+        """What ends with the rig; None: it does not run."""
+        self._has_run = False
         self.domain: int
         """ROS domain, for nodes that are to join."""
         self.bags: Path
@@ -106,6 +109,8 @@ class Rig:
 
     def __enter__(self) -> Self:
         """Start the nodes."""
+        if self._stack is not None:
+            raise UsageError('this rig is entered already: make another, several run at the same time')
         with ExitStack() as stack:
             folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
             self.bags = Path(folder)
@@ -129,18 +134,21 @@ class Rig:
             self._nodes = stack.enter_context(
                 NodeGroup(self._roles, values | {'expect': expected}, self.domain, composed=self._composed)
             )
-            self._stack = stack.pop_all()
+            self._stack, self._has_run = stack.pop_all(), True
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Stop the nodes."""
-        self._stack.__exit__(kind, error, trace)
+        stack, self._stack = self._stack, None
+        if stack is not None:
+            stack.__exit__(kind, error, trace)
 
     @property
     def processes(self) -> dict[str, NodeProcess]:
         """The nodes' processes by role, composed the same for each; those that are somebody else's are not there."""
+        self._refuse_unless_running()
         return {role: self._nodes[role] for role in self._roles}
 
     def request_speed(self, rpm: AnyQuantity) -> None:
@@ -215,6 +223,8 @@ class Rig:
 
     def latest(self, topic: str) -> Any:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""
+        if not self._has_run:
+            self._refuse_unless_running()
         self._nodes.check()
         self._client.check()
         return self._client.latest(_known(topic))
@@ -290,8 +300,13 @@ class Rig:
         self._until(lambda: self._client.is_served() or None, PATIENCE, 'a jigsaw that can be called')
         return self._client
 
+    def _refuse_unless_running(self) -> None:
+        if self._stack is None:
+            raise UsageError('this rig does not run: use it within `with Rig() as rig:`')
+
     def _until(self, found: Callable[[], Any], timeout: float, what: str) -> Any:
         """Call `found` whenever there is news, until it returns something else than None."""
+        self._refuse_unless_running()
         deadline = time.monotonic() + timeout
         ended = False
         while True:

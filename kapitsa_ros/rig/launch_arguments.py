@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,8 @@ NODE_ARGUMENTS: dict[str, tuple[str, str, list[str] | None]] = {
     'composed': ('false', 'all nodes in one process', ['true', 'false']),
 }
 """Launch arguments of all nodes: default, meaning, choices."""
+_NAMESPACE = re.compile(r'/|(/?[a-z_]\w*)(/[a-z_]\w*)*', re.ASCII | re.IGNORECASE)
+"""What rcl takes; it would be said by each of the nodes, in its words."""
 
 
 def rig_from(arguments: Mapping[str, str]) -> Setup:
@@ -75,9 +78,12 @@ def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str
     Raises
     ------
     UsageError
-        There is no such file.
+        There is no such file, or it is no namespace.
 
     """
+    namespace = arguments['namespace']
+    if namespace and not _NAMESPACE.fullmatch(namespace):
+        raise UsageError(f'namespace:={namespace!r}: give words of letters, digits and _ between /, as in lab/left')
     file = Path(arguments.get('params_file', '')).expanduser()
     if arguments.get('params_file') and not file.is_file():
         raise UsageError(f'params_file:={file}: there is no such file')
@@ -85,7 +91,7 @@ def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str
     # A node leaves when its launcher is gone, even killed. A prefix, such as a debugger, is a parent in between.
     prefixed = context.launch_configurations.get('launch-prefix')
     return {
-        'namespace': arguments['namespace'] or None,
+        'namespace': namespace or None,
         'parameters': [dict(values), *([str(file)] if arguments.get('params_file') else [])],
         'arguments': [] if prefixed else [PARENT_OPTION, str(os.getpid())],
         'ros_arguments': ['--log-level', level] if level else [],

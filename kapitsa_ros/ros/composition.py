@@ -6,14 +6,14 @@ import os
 from typing import TYPE_CHECKING, Any
 
 import rclpy
-from rclpy._rclpy_pybind11 import RCLError  # it has no public type
+from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.experimental import EventsExecutor
 from rclpy.task import Future
 
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.node_loop import NodeLoop
 from kapitsa_ros.ros.parameters import unknown_parameters
-from kapitsa_ros.ros.rclpy_errors import no_node_text
+from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 
 if TYPE_CHECKING:
@@ -117,10 +117,12 @@ class Composition:
 def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
     try:
         node = create()
-    except RCLError as error:
-        if not rclpy.ok():
+    except RuntimeError as error:  # RCLError is one; what C++ throws, as without file descriptors, is plain
+        if not (rclpy.ok() and is_of_rclpy(error)):
             raise
         raise SettingError(no_node_text(error)) from error
+    except InvalidParameterTypeException as error:  # of what rclpy declares itself, as use_sim_time
+        raise SettingError(f'parameter: {error}') from error
     for line in unknown_parameters(node):
         node.get_logger().warning(line)
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')

@@ -10,6 +10,7 @@ from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.ros.arguments import COMPOSED, NO_LOG_FILES
 from kapitsa_ros.ros.parameters import noting_declarations
 from kapitsa_ros.ros.reachability import refuse_unreachable
+from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,6 +29,7 @@ def help_text(role: str, description: str, create: Callable[[], ProcessNode]) ->
 
     """
     refuse_unreachable()
+    load_generator()
     rclpy.init(args=NO_LOG_FILES)
     with noting_declarations() as declared:
         try:

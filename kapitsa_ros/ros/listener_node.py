@@ -16,6 +16,7 @@ from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import wait_until_quiet
+from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
     from types import TracebackType
@@ -46,13 +47,18 @@ class ListenerNode:
         self._domain = domain
         self._failure: BaseException | None = None
         self._context = Context()
+        load_generator()
         try:
             # The arguments of the program are its own, and so is a home that takes log files.
             rclpy.init(args=NO_LOG_FILES, context=self._context, domain_id=domain)
             self._node = Node(name, context=self._context, start_parameter_services=False, enable_rosout=False)
-        except RCLError as error:
+            self._executor = EventsExecutor(context=self._context)
+        except RuntimeError as error:
+            # What C++ throws, as without file descriptors, is a plain one; so is Python's of a domain that is none.
+            if not (isinstance(error, RCLError) or self._context.ok()):
+                raise
+            self._context.try_shutdown()
             raise NodeError(no_node_text(error)) from error
-        self._executor = EventsExecutor(context=self._context)
         self._executor.add_node(self._node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
 

@@ -21,6 +21,7 @@ from kapitsa_ros.ros.output_port import hold_output_port
 from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
+from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -104,6 +105,7 @@ def _start(arguments: list[str]) -> None:
             raise SettingError(f'--params-file {value}: there is no such file')
     refuse_unreachable()
     hold_output_port()
+    load_generator()
     hold_signals_back()
     try:
         rclpy.init(args=[*arguments, *without_log_files()], signal_handler_options=SignalHandlerOptions.NO)

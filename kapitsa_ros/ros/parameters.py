@@ -96,18 +96,24 @@ def declare(  # noqa: PLR0917
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
         else:
             descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
+    wanted = Parameter('', value=default).type_.name.lower().replace('_', ' ')
+    article = 'an' if wanted.startswith('i') else 'a'
     try:
-        return node.declare_parameter(name, default, descriptor).value
+        value = node.declare_parameter(name, default, descriptor).value
     except InvalidParameterTypeException as error:
-        wanted = Parameter('', value=default).type_.name.lower()
         hint = ': write 1.0 for 1' if isinstance(default, float) else ''
-        raise SettingError(f'parameter {name} must be a {wanted}{hint} ({error})') from error
+        raise SettingError(f'parameter {name} must be {article} {wanted}{hint} ({error})') from error
     except InvalidParameterValueException as error:
         given = next((p.value for p in [node._parameter_overrides.get(name)] if p), default)  # noqa: SLF001
         bounds = f' in [{low}, {high}]' if low is not None else ''
         raise SettingError(f'parameter {name} is {given}: it must be a finite value{bounds}') from error
     except ParameterUninitializedException as error:
         raise SettingError(str(error)) from error
+    if value is not None:
+        return value
+    if isinstance(default, list):  # rcl makes nothing at all of []
+        return []
+    raise SettingError(f'parameter {name} is empty: it must be {article} {wanted}')
 
 
 def declare_set(node: Node, kind: type[_Set], *names: str, defaults: _Set | None = None) -> _Set:

@@ -30,7 +30,7 @@ def refuse_unreachable() -> None:
             f'{RANGE} is {asked}: nodes do not find one another so; unset it, or give one of {", ".join(_RANGES)}'
         )
     domain = os.environ.get(DOMAIN) or '0'
-    if not domain.isdecimal() or int(domain) > HIGHEST_DOMAIN:
+    if not (domain.isascii() and domain.isdecimal()) or int(domain) > HIGHEST_DOMAIN:  # rcl knows no other digits
         raise SettingError(f'{DOMAIN} is {domain}: give a number from 0 to {HIGHEST_DOMAIN}')
     profile = os.environ.get(PROFILE)
     if profile and not os.access(profile, os.R_OK):

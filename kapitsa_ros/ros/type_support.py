@@ -7,6 +7,8 @@ do it once for all.
 from __future__ import annotations
 
 import ctypes
+import sys
+import warnings
 from contextlib import suppress
 from importlib import import_module
 from itertools import product
@@ -18,6 +20,7 @@ from rclpy.utilities import get_rmw_implementation_identifier
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+_GENERATOR = 'rosidl_generator_py'
 OF_EVERY_NODE = (
     'diagnostic_msgs/msg/DiagnosticArray',
     'rcl_interfaces/msg/Log',
@@ -36,9 +39,22 @@ OF_THOSE_THAT_KEEP_TIME = ('rosgraph_msgs/msg/Clock', 'sensor_msgs/msg/JointStat
 """Of jigsaw, player and pendulum besides."""
 
 
+def load_generator() -> None:
+    """Load what rclpy loads with the first type of a process.
+
+    Its parser imports modules that Python has deprecated: a program that takes warnings for errors, as many test suites
+    are set to, could have no node.
+    """
+    if _GENERATOR not in sys.modules:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore', DeprecationWarning)
+            import_module(_GENERATOR)
+
+
 def load_type_supports(types: Iterable[str]) -> None:
     """Load what Python and the middleware need for types such as `std_msgs/msg/Header` or `std_srvs/srv/Trigger`."""
     types = tuple(types)
+    load_generator()
     for package, kind, name in (each.split('/') for each in types):
         check_for_type_support(getattr(import_module(f'{package}.{kind}'), name))
     if get_rmw_implementation_identifier().startswith('rmw_fastrtps'):

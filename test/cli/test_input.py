@@ -34,6 +34,7 @@ def one_line(answer: Any, status: int, *words: str) -> None:
         (['experiment', '--length', '-0.2'], ['length', 'above 0']),
         (['experiment', '--length', '3 kg'], ['--length', '9.75in']),
         (['experiment', '--damping', '-1'], ['damping']),
+        (['experiment', '--damping', '01/s'], ['--damping', 'write it as in 0 1/s']),
         (['experiment', '--restitution', '2'], ['restitution', '[0, 1]']),
         (['experiment', '--seed', '-1'], ['--seed']),
         (['experiment', '--rate', '-1'], ['--rate']),

@@ -50,6 +50,28 @@ def test_a_result_that_cannot_be_written_is_no_success() -> None:
     assert done.stderr == 'kapitsa: error: [Errno 28] No space left on device\n'
 
 
+def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:
+    gone = tmp_path / 'gone'
+    gone.mkdir()
+    command = [sys.executable, '-m', 'kapitsa_ros', 'reduce', '--json']
+    shell = ['/bin/sh', '-c', 'cd "$0" && rmdir "$0" && exec "$@"', str(gone), *command]
+    environment = os.environ | {'PYTHONPATH': str(CHECKOUT)}
+    done = subprocess.run(shell, env=environment, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (1, '')
+    assert 'the current folder is gone, change to another' in done.stderr
+    assert done.stderr.count('\n') == 1
+
+
+def test_too_few_file_descriptors_are_said(tmp_path: Path) -> None:
+    few = 20
+    command = [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--bags', str(tmp_path / 'bags'), '--json']
+    shell = ['/bin/sh', '-c', f'ulimit -n {few} && exec "$@"', '-', *command]
+    done = subprocess.run(shell, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (1, '')
+    assert 'Traceback' not in done.stderr
+    assert [line for line in done.stderr.splitlines() if 'kapitsa: error: ' in line and 'Too many open files' in line]
+
+
 @pytest.mark.parametrize('redirection', ['0<&- 2>&-', '0<&- 1>&- 2>&-'])
 def test_nothing_takes_the_place_of_a_stream_that_is_closed(redirection: str, tmp_path: Path) -> None:
     program = (

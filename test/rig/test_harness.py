@@ -3,6 +3,8 @@
 import contextlib
 import math
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -320,3 +322,36 @@ def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     assert [bag.path.name for bag in bags] == ['run_01_2240rpm', 'run_02_2240rpm']
     assert [bag.run.period is None for bag in bags] == [True, False]
     assert all(bag.complete and not bag.motion.gaps for bag in bags)
+
+
+def test_a_rig_that_does_not_run_says_so(tmp_path: Path) -> None:
+    """On a rig left before, a call met a closed file descriptor; entered twice, the program ended by SIGABRT."""
+    rig = Rig(nodes=(), bags=tmp_path)
+    for use in (lambda: rig.request_speed(2500), rig.pause, lambda: rig.wait_for('strobe/reading')):
+        with pytest.raises(UsageError, match='does not run'):
+            use()
+    with pytest.raises(UsageError, match='does not run'):
+        rig.latest('strobe/reading')
+    with rig:
+        domain = rig.domain
+        with pytest.raises(UsageError, match='entered already'), rig:
+            pass
+        assert rig.domain == domain
+    with pytest.raises(UsageError, match='does not run'):
+        rig.news()
+    assert rig.latest('strobe/reading') is None
+
+
+@pytest.mark.parametrize('domain', ['7', 1.5, True, -1, 500])
+def test_what_is_no_domain_is_refused(domain: object) -> None:
+    with pytest.raises(UsageError, match='give a number from 0 to 101'), Rig(nodes=(), domain=domain):  # type: ignore[arg-type]
+        pass
+
+
+def test_a_program_that_takes_warnings_for_errors_can_have_a_rig() -> None:
+    """As a test suite with `filterwarnings = error`: rclpy imports modules that Python has deprecated."""
+    program = "from kapitsa_ros.rig import Rig\nwith Rig(nodes=()): print('entered')"
+    done = subprocess.run(
+        [sys.executable, '-W', 'error', '-c', program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout) == (0, 'entered\n'), done.stderr

@@ -1,6 +1,7 @@
 """What launch files hand to the rig: text is checked before a node starts, and a failed node ends the launch."""
 
 import ast
+import contextlib
 import os
 import re
 import shutil
@@ -84,6 +85,16 @@ def test_what_every_node_of_a_launch_is_given(tmp_path: Path) -> None:
     # A debugger in between would be taken for a launcher that is gone.
     context.launch_configurations['launch-prefix'] = 'gdb --args'
     assert node_options(said, context, {})['arguments'] == []
+
+
+@pytest.mark.parametrize(('namespace', 'is_one'), [
+    ('/', True), ('/lab', True), ('lab/left_2', True),
+    ('a b', False), ('//', False), ('lab/', False), ('1lab', False), ('~', False), ('λ', False), ('lab\n', False),
+])  # fmt: skip
+def test_what_is_no_namespace_is_refused_before_a_node_says_so(namespace: str, *, is_one: bool) -> None:
+    said = {'namespace': namespace, 'log_level': '', 'params_file': ''}
+    with contextlib.nullcontext() if is_one else pytest.raises(UsageError, match=r'^namespace:=.*as in lab'):
+        assert node_options(said, SimpleNamespace(launch_configurations={}), {})['namespace'] == namespace
 
 
 def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:

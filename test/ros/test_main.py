@@ -258,3 +258,31 @@ def test_the_help_of_a_node_lists_its_parameters(role: str, lines: list[str], do
     listed = done.stdout.partition('parameters:\n')[2].splitlines()
     assert all(any(line.strip().startswith(start) for line in listed) for start in lines)
     assert all('(default ' in line for line in listed)
+
+
+@pytest.mark.parametrize(
+    ('role', 'given', 'words'),
+    [
+        ('recorder', 'bags:=/dev/null/runs', '/dev/null/runs cannot be written; give a folder you can write to'),
+        ('strobe', 'seed:=[]', 'parameter seed is empty: it must be an integer'),
+        ('strobe', 'use_sim_time:=perhaps', "'use_sim_time' to 'perhaps' of type 'STRING', expecting type 'BOOL'"),
+    ],
+)
+def test_a_parameter_that_cannot_be_used_is_one_line(role: str, given: str, words: str, domain: int) -> None:
+    done = subprocess.run(
+        [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '-p', given],
+        env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.startswith(f'{role}: error: parameter')
+    assert words in done.stderr
+    assert done.stderr.count('\n') == 1
+
+
+def test_a_help_that_cannot_be_written_is_one_line(domain: int) -> None:
+    with open('/dev/full', 'w') as full:  # noqa: PTH123
+        done = subprocess.run(
+            [sys.executable, '-m', 'kapitsa_ros.nodes', 'strobe', '--help'],
+            env=node_environment(domain), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False,
+        )  # fmt: skip
+    assert (done.returncode, done.stderr) == (1, 'kapitsa: error: [Errno 28] No space left on device\n')

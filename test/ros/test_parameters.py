@@ -13,7 +13,7 @@ from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.parameters_yaml import parameters_yaml
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.parameters import declare_quantity, declare_set
+from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set
 
 pytestmark = pytest.mark.xdist_group('processes')
 
@@ -125,3 +125,11 @@ def test_texts_reach_a_node_as_texts_and_numbers_as_numbers(context, tmp_path):
     found = {name: node.get_parameter(name).value for name in given}
     node.destroy_node()
     assert {name: list(value) if name.endswith('s') else value for name, value in found.items()} == given
+
+
+def test_a_list_may_be_empty_and_nothing_else(node_with):
+    """Of `-p NAME:=[]` rcl makes a parameter without a value."""
+    node = node_with(bags=None, protocol=None)
+    assert declare(node, 'bags', [''], 'folders') == []
+    with pytest.raises(SettingError, match='parameter protocol is empty: it must be a string'):
+        declare(node, 'protocol', '1997', 'name')

@@ -23,6 +23,7 @@ from kapitsa_ros.ros.shared_memory import refuse_full_shared_memory
         ('ROS_DOMAIN_ID', '233', 'ROS_DOMAIN_ID is 233: give a number from 0 to 232'),
         ('ROS_DOMAIN_ID', '-1', 'ROS_DOMAIN_ID is -1'),
         ('ROS_DOMAIN_ID', 'x', 'ROS_DOMAIN_ID is x'),
+        ('ROS_DOMAIN_ID', '\u0667', 'give a number from 0 to 232'),
         ('FASTRTPS_DEFAULT_PROFILES_FILE', '/nowhere.xml', 'names /nowhere.xml, which is not there'),
     ],
 )
