@@ -363,6 +363,6 @@ def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:
     (tmp_path / 'A').write_text('a file where a folder should be')
     with (
         NodeGroup(ROLE_NAMES, parameters(setup_of(tmp_path / 'A')), domain) as nodes,
-        pytest.raises(RigError, match=r'recorder .*cannot write'),
+        pytest.raises(RigError, match=r'recorder .*/A cannot be written; give a folder'),
     ):
         carry_out(nodes)
