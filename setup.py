@@ -150,7 +150,7 @@ setup(
         'all': [*REPORT, *CAMPAIGN, *BENCH, *WEB, *FOXGLOVE, *BENCHMARKS, *DEVELOPMENT],
     },
     entry_points={
-        'console_scripts': ['kapitsa = kapitsa_ros.cli.main:main'],
+        'console_scripts': ['kapitsa = kapitsa_ros.cli.entry:main'],
         # The name equals the module path, so that `-p` and the entry point do not register it twice.
         'pytest11': ['kapitsa_ros.rig.pytest_plugin = kapitsa_ros.rig.pytest_plugin'],
     },

@@ -1,5 +1,5 @@
-"""`python -m kapitsa_ros.rig`: the command line without its script."""
+"""`python -m kapitsa_ros`: the command line without its script."""
 
-from kapitsa_ros.cli.main import main
+from kapitsa_ros.cli.entry import main
 
 main()

@@ -69,7 +69,7 @@ def main() -> None:
             sys.exit(FAILED)
         _leave(f'{error}{_mend(error)}', FAILED)
     except MemoryError as error:
-        _leave(f'{error}: ask for less at once (a shorter run, fewer samples)', FAILED)
+        _leave(f'{error or "the memory is used up"}: ask for less at once (a shorter run, fewer samples)', FAILED)
     except Interrupt as interrupt:
         _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:

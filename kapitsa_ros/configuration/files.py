@@ -38,7 +38,7 @@ def find_file(folder: str, name: str | Path, error: type[KapitsaError]) -> Path:
     shipped = {stem: resource_path('config', folder, f'{stem}{suffix}') for stem in shipped_names(folder)}
     if str(name) in shipped:
         return shipped[str(name)]
-    path = Path(name)
+    path = Path(str(name))  # a program may have given anything
     try:
         found = path.is_file()
     except (OSError, ValueError):

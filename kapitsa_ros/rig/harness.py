@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Self
 
+from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.instruments.settings import Instruments
@@ -70,6 +71,8 @@ class Rig:
 
     Raises
     ------
+    AddressSpaceError
+        On entering: the shell allows less memory than nodes take.
     RigError
         On entering: the domain is taken, or the rig is entered already. From any method: a node died, the message names
         it and its last lines; or the rig is not entered, or has been left, which `latest` alone allows.
@@ -111,6 +114,7 @@ class Rig:
         """Start the nodes."""
         if self._stack is not None:
             raise UsageError('this rig is entered already: make another, several run at the same time')
+        refuse_small_address_space(OF_A_RIG)
         with ExitStack() as stack:
             folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
             self.bags = Path(folder)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.errors import OPTION
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
@@ -25,6 +26,8 @@ def prepare(setup: Setup) -> None:
 
     Raises
     ------
+    AddressSpaceError
+        The shell allows less memory than nodes take.
     UsageError
         The folder for the bags cannot be written, or the jigsaw cannot turn so fast.
     BagError
@@ -33,6 +36,7 @@ def prepare(setup: Setup) -> None:
         There is no such protocol.
 
     """
+    refuse_small_address_space(OF_A_RIG)
     # A manual run begins with the shaft at rest.
     speeds = (0.0,) if setup.protocol == MANUAL else setup.carried_out().speeds
     for speed in speeds:
@@ -79,9 +83,10 @@ def make_writable(folder: Path) -> None:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # a name with a null byte is none
+        why = error.strerror if isinstance(error, OSError) else error
         raise UsageError(
-            f'{OPTION}: cannot be made ({error.strerror}); give a folder you can write to', option='bags', value=folder
+            f'{OPTION}: cannot be made ({why}); give a folder you can write to', option='bags', value=folder
         ) from error
     if not os.access(folder, os.W_OK | os.X_OK):
         raise UsageError(f'{OPTION}: cannot be written; give a folder you can write to', option='bags', value=folder)

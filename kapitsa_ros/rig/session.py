@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import logging
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import run_values
@@ -63,9 +64,16 @@ def run_experiment(
         A node died.
 
     """
+    was_there = setup.bags.exists()
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
-    monitor = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
+    try:
+        monitor = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
+    except BaseException:
+        if not was_there:
+            with suppress(OSError):  # there are runs in it
+                setup.bags.rmdir()
+        raise
     # Those of the protocol, and of runs that somebody reset.
     paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
@@ -104,10 +112,13 @@ def replay_bags(
         A path is no run.
     UsageError
         The runs are over before the part that is to be played begins.
+    AddressSpaceError
+        The shell allows less memory than nodes take.
     RigError
         A node died.
 
     """
+    refuse_small_address_space(OF_A_RIG)
     bags = runs_of(paths)
     for bag in bags:
         bag.refuse_gaps()
