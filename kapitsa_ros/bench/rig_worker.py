@@ -8,6 +8,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Protocol
 
 from kapitsa_ros.errors import said_of
+from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.rig.errors import RigError
 
@@ -20,8 +21,10 @@ if TYPE_CHECKING:
 
     Order = Callable[[Rig], None]
 
-LISTEN = 0.05
-"""Seconds for which news is waited for before the next order is looked for."""
+_TOPICS = (PIVOT.name, MOTION.name, STROBE_READING.name, STOPWATCH_READING.name, RESULT.name)
+"""That a person sees something of."""
+LISTEN = 1.0
+"""Seconds for which news is waited for; an order ends the wait."""
 GATHERING = 0.01
 """Seconds given to the other messages of a step, once one has come."""
 GRACE = 3.0
@@ -68,6 +71,7 @@ class RigWorker:
     def stop(self) -> None:
         """Stop working; an order that hangs is left to itself."""
         self._ending.set()
+        self._rig.wake()
         self._thread.join(GRACE)
 
     def order(self, order: Order, done: Callable[[], None] | None = None) -> None:
@@ -76,6 +80,7 @@ class RigWorker:
         `done` is called from the worker's thread once it has succeeded and the listener has what came until then.
         """
         self._orders.put((order, done))
+        self._rig.wake()
 
     def _work(self) -> None:
         try:
@@ -89,12 +94,12 @@ class RigWorker:
                 self._listener.receive_failure(RigError('the bench lost its rig: {why!r}', why=error))
 
     def _pass_on(self, timeout: float) -> None:
-        news = self._rig.news(timeout)
+        news = self._rig.news(timeout, _TOPICS)
         if not news:
             return
         if timeout:  # the messages of a step come one by one: to be woken for each costs more than they do
             time.sleep(GATHERING)
-            news += self._rig.news(0.0)
+            news += self._rig.news(0.0, _TOPICS)
         self._listener.receive(news, time.monotonic())
 
     def _carry_out(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -103,6 +104,8 @@ class Rig:
         self._stack: ExitStack | None = None
         """What ends with the rig; None: it does not run."""
         self._has_run = False
+        self._woken = threading.Event()
+        """Set: `news` is not to wait."""
         self.domain: int
         """ROS domain, for nodes that are to join."""
         self.bags: Path
@@ -210,20 +213,37 @@ class Rig:
         name = _known(topic)
         return self._until(lambda: self._client.take(name, predicate), timeout, f'a message on {name} that fits')
 
-    def news(self, timeout: float = PATIENCE) -> list[News]:
-        """Return all that came since the last call, on all topics of `wait_for`, in the order of their steps.
+    def news(self, timeout: float = PATIENCE, topics: Sequence[str] = TOPIC_NAMES) -> list[News]:
+        """Return all that came since the last call, in the order of its steps.
 
         Parameters
         ----------
         timeout
-            Seconds of wall time to wait for the first message; without one the list is empty.
+            Seconds of wall time to wait for the first message; without one the list is empty, as after `wake`.
+        topics
+            Of those of `wait_for`.
 
         """
+        names = [_known(topic) for topic in topics]
+
+        def found() -> list[News] | None:
+            news = self._client.take_all(names)
+            if news or self._woken.is_set():
+                self._woken.clear()
+                return news
+            return None
+
         try:
-            news: list[News] = self._until(lambda: self._client.take_all() or None, timeout, 'news')
+            news: list[News] = self._until(found, timeout, 'news')
         except TimeoutError:
             return []
         return news
+
+    def wake(self) -> None:
+        """Have a call of `news` return, one under way in another thread or else the next, with what there is."""
+        self._woken.set()
+        if self._stack is not None:
+            self._client.wake()
 
     def latest(self, topic: str) -> Any:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""

@@ -10,6 +10,7 @@ from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
+from rclpy.task import Future
 
 from kapitsa_ros.ros.arguments import NO_LOG_FILES
 from kapitsa_ros.ros.errors import NodeError
@@ -21,6 +22,8 @@ from kapitsa_ros.ros.type_support import load_generator
 if TYPE_CHECKING:
     from types import TracebackType
 
+_LOOK_PERIOD = 1.0
+"""Seconds between two looks at whether ROS is up; its shutdown ends the wait."""
 PATIENCE = 1.0
 """Seconds for which the domain may take to come to rest before a listener leaves it."""
 
@@ -96,8 +99,10 @@ class ListenerNode:
 
     def _spin(self) -> None:
         try:
+            never = Future()
             while self._context.ok():
-                self._executor.spin_once(timeout_sec=0.2)
+                # One call for all messages that come meanwhile: to come back with each is a part of what it costs.
+                self._executor.spin_until_future_complete(never, timeout_sec=_LOOK_PERIOD)
         except BaseException as error:  # noqa: BLE001  # it is raised where somebody waits; SystemExit, too
             if self._context.ok() or not (isinstance(error, Exception) and is_of_rclpy(error)):
                 self._failure = error

@@ -17,7 +17,7 @@ from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.time_control_client import RESET, TimeControlClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from types import TracebackType
 
     from rclpy.publisher import Publisher
@@ -101,11 +101,11 @@ class RigClient(ListenerNode):
                 return value
         return None
 
-    def take_all(self) -> list[News]:
-        """Return the unread messages of all topics, in the order of their steps."""
+    def take_all(self, topics: Sequence[str] = TOPIC_NAMES) -> list[News]:
+        """Return the unread messages of topics, in the order of their steps."""
         with self._lock:
-            taken = [(name, message) for name in TOPIC_NAMES for message in self._unread[name]]
-            for name in TOPIC_NAMES:
+            taken = [(name, message) for name in topics for message in self._unread[name]]
+            for name in topics:
                 self._unread[name].clear()
         news = []
         for name, message in taken:

@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +165,23 @@ def test_news_are_all_that_was_said_once_and_in_order(paused: Rig) -> None:
     later = paused.news(0)  # a command for the steps to come may be late
     every = [(topic, step_id) for topic, step_id, _ in (*news, *later)]
     assert len(set(every)) == len(every)
+
+
+def test_news_are_of_the_topics_that_are_asked_for(paused: Rig) -> None:
+    paused.news(0)
+    paused.step(2)
+    assert {topic for topic, _, _ in paused.news(topics=['/jigsaw/pivot'])} == {'jigsaw/pivot'}
+    assert 'pendulum/motion' in {topic for topic, _, _ in paused.news(0)}
+    with pytest.raises(UsageError, match='is none of'):
+        paused.news(0, ['pendulum'])
+
+
+def test_who_waits_for_news_can_be_woken(paused: Rig) -> None:
+    paused.news(0)
+    with ThreadPoolExecutor(1) as other:
+        waiting = other.submit(paused.news, 600.0)
+        paused.wake()
+        assert waiting.result(timeout=60.0) == []
 
 
 def test_a_reset_while_time_stands_still(paused: Rig) -> None:
