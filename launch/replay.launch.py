@@ -8,7 +8,13 @@ from launch_ros.actions import Node
 
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, executables, node_options, replay_from
+from kapitsa_ros.rig.launch_arguments import (
+    NODE_ARGUMENTS,
+    executables,
+    given_to_viewer,
+    node_options,
+    replay_from,
+)
 from kapitsa_ros.rig.setup import REPLAY_NAMES
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -37,14 +43,10 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     ]
     if arguments['viewer'] != 'none':
         plant = runs_of([Path(values['bags'][0])])[0].run.plant
-        drawn = {
-            **{name: arguments[name] for name in ('viewer', 'bags', 'namespace')},
-            'length': str(plant.length),
-            'amplitude': str(plant.amplitude),
-        }
+        given = given_to_viewer(arguments, plant, arguments['bags'])
         path = Path(__file__).with_name('viewer.launch.py')
         # First, so that nothing has started when its package is missing.
-        started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=drawn.items()))
+        started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=given.items()))
     return started
 
 

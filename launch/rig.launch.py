@@ -8,7 +8,14 @@ from launch_ros.actions import Node
 
 from kapitsa_ros.recording.writer import COMPRESSIONS
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, PLANT_ARGUMENTS, executables, node_options, rig_from
+from kapitsa_ros.rig.launch_arguments import (
+    NODE_ARGUMENTS,
+    PLANT_ARGUMENTS,
+    executables,
+    given_to_viewer,
+    node_options,
+    rig_from,
+)
 from kapitsa_ros.rig.setup import parameters
 from kapitsa_ros.rig.viewers import VIEWERS
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -37,20 +44,15 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS | OF_PLANT}
     setup = rig_from(arguments)
     options = node_options(arguments, context, parameters(setup))
-    # First, so that nothing has started when its package is missing.
-    viewer = IncludeLaunchDescription(
-        str(Path(__file__).with_name('viewer.launch.py')),
-        launch_arguments={
-            'viewer': arguments['viewer'],
-            'namespace': arguments['namespace'],
-            'length': str(setup.plant.length),
-            'amplitude': str(setup.plant.amplitude),
-        }.items(),
-    )
-    return [
-        viewer,
-        *(Node(package='kapitsa_ros', **given) for given in executables(setup.roles, arguments, options)),
+    started: list[LaunchDescriptionEntity] = [
+        Node(package='kapitsa_ros', **given) for given in executables(setup.roles, arguments, options)
     ]
+    if arguments['viewer'] != 'none':
+        path = Path(__file__).with_name('viewer.launch.py')
+        given = given_to_viewer(arguments, setup.plant)
+        # First, so that nothing has started when its package is missing.
+        started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=given.items()))
+    return started
 
 
 def generate_launch_description() -> LaunchDescription:

@@ -1,7 +1,5 @@
 """A viewer for a rig that runs here, or that another launch file starts."""
 
-from pathlib import Path
-
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -9,7 +7,7 @@ from launch_ros.actions import Node
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, node_options, runs_below
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, drawn_from, node_options
 from kapitsa_ros.rig.viewers import PACKAGE, VIEWERS, Program, programs
 from kapitsa_ros.ros.arguments import FOXGLOVE_PORT
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -41,8 +39,7 @@ def as_node(program: Program, arguments: dict[str, str], context: LaunchContext)
 def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    plant = Plant(length=float(arguments['length']), amplitude=float(arguments['amplitude']))
-    bags = [str(path) for path in runs_below(Path(arguments['bags']).expanduser())] if arguments['bags'] else []
+    plant, bags = drawn_from(arguments)
     wanted = programs(arguments['viewer'], plant, bags)
     started: list[LaunchDescriptionEntity] = [as_node(program, arguments, context) for program in wanted]
     if arguments['viewer'] == 'foxglove':

@@ -48,7 +48,7 @@ RESOLVED = {
     'ament_index_python', 'builtin_interfaces', 'diagnostic_msgs', 'domain_coordinator', 'launch', 'launch_ros',
     'mcap-ros2-support', 'python3-click', 'python3-hypothesis', 'python3-numba', 'python3-numpy', 'python3-pytest',
     'python3-pytest-xdist', 'python3-rich', 'python3-rosbags-pip', 'python3-scipy', 'python3-setproctitle',
-    'python3-yaml', 'rcl_interfaces', 'rclpy', 'rosgraph_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs',
+    'python3-yaml', 'rcl_interfaces', 'rclpy', 'ros2launch', 'rosgraph_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs',
     'trajectory_msgs',
 }  # fmt: skip
 """Packages of Jazzy, and keys of rosdep's public list that lead to something on Ubuntu (August 2026)."""

@@ -140,6 +140,43 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
     return replay_parameters(paths, replay)
 
 
+def given_to_viewer(arguments: Mapping[str, str], plant: Plant, bags: str = '') -> dict[str, str]:
+    """Return every argument of viewer.launch.py: one that is not given it would take from the file that includes it.
+
+    Parameters
+    ----------
+    arguments
+        Of the launch that includes it: `viewer` and `namespace`.
+    plant
+        That is drawn.
+    bags
+        Folder of the run that is replayed, or of several.
+
+    """
+    return {
+        'viewer': arguments['viewer'],
+        'length': str(plant.length),
+        'amplitude': str(plant.amplitude),
+        'bags': bags,
+        'namespace': arguments['namespace'],
+    }
+
+
+def drawn_from(arguments: Mapping[str, str]) -> tuple[Plant, list[str]]:
+    """Return the plant that a viewer draws, and the folders of the runs that it replays, if any.
+
+    Raises
+    ------
+    UsageError
+        An argument cannot be used.
+
+    """
+    with _errors_in_launch_form():
+        plant = Plant().replaced({name: arguments[name] for name in ('length', 'amplitude')})
+        bags = runs_below(Path(arguments['bags']).expanduser()) if arguments['bags'] else []
+    return plant, [str(path) for path in bags]
+
+
 def runs_below(folder: Path) -> list[Path]:
     """Return the folders of the runs in a folder, in the order of their names, or itself where it is that of one.
 

@@ -13,6 +13,7 @@ from rclpy.task import Future
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.node_loop import NodeLoop
 from kapitsa_ros.ros.parameters import unknown_parameters
+from kapitsa_ros.ros.process_node import destroying_half_made
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.shutdown import ShutdownWatchdog
 
@@ -116,7 +117,8 @@ class Composition:
 
 def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
     try:
-        node = create()
+        with destroying_half_made():
+            node = create()
     except RuntimeError as error:  # RCLError is one; what C++ throws, as without file descriptors, is plain
         if not (rclpy.ok() and is_of_rclpy(error)):
             raise

@@ -9,6 +9,7 @@ import rclpy
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.ros.arguments import COMPOSED, NO_LOG_FILES
 from kapitsa_ros.ros.parameters import noting_declarations
+from kapitsa_ros.ros.process_node import destroying_half_made
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.type_support import load_generator
 
@@ -33,7 +34,8 @@ def help_text(role: str, description: str, create: Callable[[], ProcessNode]) ->
     rclpy.init(args=NO_LOG_FILES)
     with noting_declarations() as declared:
         try:
-            create().destroy_node()
+            with destroying_half_made():
+                create().destroy_node()
         except KapitsaError:
             pass  # as a player without bags: all is declared by then
         finally:

@@ -11,8 +11,9 @@ if TYPE_CHECKING:
 
 _UNKNOWN = '_NODE_NAME_UNKNOWN_'
 """As rmw has it of a node whose topics were heard of before its name was."""
+NAMELESS = 'a node without a name yet'
 
 
 def node_names(ends: Iterable[TopicEndpointInfo]) -> list[str]:
     """Return the names in order; a node that has said none yet is called that."""
-    return sorted('a node without a name yet' if end.node_name == _UNKNOWN else end.node_name for end in ends)
+    return sorted(NAMELESS if end.node_name == _UNKNOWN else end.node_name for end in ends)

@@ -12,7 +12,7 @@ from kapitsa_ros.network.errors import SequenceError, WireError
 from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
 from kapitsa_ros.network.registry import writers_of
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import node_names
+from kapitsa_ros.ros.node_names import NAMELESS, node_names
 from kapitsa_ros.ros.process_node import ASKS_ITSELF
 from kapitsa_ros.ros.qos import STREAM, message_class
 
@@ -76,8 +76,8 @@ class NumberedSubscription:
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""
         names = self._writers()
-        own = next((name for name in names if name in writers_of(self._topic)), None)
-        if own is not None:
+        own = next((name for name in names if name in writers_of(self._topic)), NAMELESS)
+        if own in names:  # of those without a name one may be the topic's own
             names.remove(own)
         return names
 

@@ -16,6 +16,7 @@ from rclpy.exceptions import (
 )
 from rclpy.parameter import Parameter
 
+from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.errors import KapitsaError
@@ -37,9 +38,10 @@ _LEAST = 1e-6
 """Stands for "above 0" in a range of ROS, which contains its ends."""
 _OF_ROLES = {
     'expect', 'protocol', 'release', 'steps', 'bags', 'storage', 'compression', 'steps_a_chunk',
-    'start_type_description_service',
+    'start_type_description_service', 'loop', 'start_paused',
     *(item.name for kind in (Plant, JigsawParameters, StepParameters, RigParameters) for item in describe(kind)),
-    *(item.name for kind in (StrobeSettings, StopwatchSettings, Protocol) for item in describe(kind)),
+    *(item.name for kind in (StrobeSettings, StopwatchSettings) for item in describe(kind)),
+    *(item.name for kind in (Protocol, PlaybackParameters) for item in describe(kind)),
 }  # fmt: skip
 """Parameters of any role: nodes of a rig are given all of them, and each takes its own."""
 _Set = TypeVar('_Set', bound=ParameterSet)

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import functools
-from contextlib import suppress
+import weakref
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
 from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.node import Node
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from kapitsa_ros.network.role import Role
 
 
+_made: weakref.WeakSet[ProcessNode] = weakref.WeakSet()
+"""All of this process, finished or not."""
 ASKS_ITSELF = 'asks_itself'
 """Attribute of callbacks that ask for a poll where they need one."""
 
@@ -34,6 +37,7 @@ class ProcessNode(Node):
 
     def __init__(self, role: Role) -> None:
         super().__init__(role.name)
+        _made.add(self)
         self.role = role
         self.finished = False
         self.due = 0.0
@@ -81,3 +85,15 @@ class ProcessNode(Node):
 
 def _nobody() -> None:
     pass
+
+
+@contextmanager
+def destroying_half_made() -> Iterator[None]:
+    """Destroy what a constructor has made of a node before it raised: DDS would leave its files behind."""
+    known = set(_made)
+    try:
+        yield
+    except BaseException:
+        for node in set(_made) - known:
+            node.destroy_node()
+        raise

@@ -1,5 +1,6 @@
 """The examples work as they stand: scripts of their own beside a rig, and a user's own test."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -35,6 +36,7 @@ def test_a_users_own_test_passes() -> None:
     command = [sys.executable, '-m', 'pytest', '-p', 'kapitsa_ros.rig.pytest_plugin', '-p', 'no:cacheprovider']
     done = subprocess.run(
         [*command, '--import-mode=prepend', EXAMPLES / 'test_tachometer.py'],
+        env=os.environ | {'PYTEST_ADDOPTS': ''},  # colcon's options are of this suite
         capture_output=True, text=True, timeout=120, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout

@@ -15,7 +15,15 @@ import pytest
 
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.errors import RigError, UsageError
-from kapitsa_ros.rig.launch_arguments import PLANT_ARGUMENTS, end_with_failed, node_options, replay_from, rig_from
+from kapitsa_ros.rig.launch_arguments import (
+    PLANT_ARGUMENTS,
+    drawn_from,
+    end_with_failed,
+    given_to_viewer,
+    node_options,
+    replay_from,
+    rig_from,
+)
 from kapitsa_ros.rig.preflight import make_writable
 
 CHECKOUT = Path(__file__).parents[2]
@@ -144,6 +152,30 @@ def test_only_a_failure_nobody_asked_for_ends_the_launch() -> None:
     end_with_failed(*ended(-2, stopping=True))
     with pytest.raises(RigError, match='jigsaw-1 has failed with status 2'):
         end_with_failed(*ended(2, stopping=False))
+
+
+def test_an_included_viewer_is_given_all_its_arguments() -> None:
+    """What it is not given it takes from the file that includes it: the folder of a rig's bags for that of a replay."""
+    tree = ast.parse((CHECKOUT / 'launch' / 'viewer.launch.py').read_text(encoding='utf-8'))
+    [declared] = [
+        node.value for node in tree.body if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == 'ARGUMENTS'
+    ]
+    assert isinstance(declared, ast.Dict)
+    plant = Plant(length=0.3)
+    given = given_to_viewer({'viewer': 'foxglove', 'namespace': 'lab', 'bags': 'runs'}, plant)
+    assert list(given) == [ast.literal_eval(key) for key in declared.keys if key is not None]
+    assert drawn_from(given) == (plant, [])
+
+
+def test_what_a_viewer_draws_is_read_as_for_a_rig() -> None:
+    said = {'length': '12in', 'amplitude': '0.01', 'bags': str(CHECKOUT / 'bags' / 'run_01_2240rpm')}
+    plant, bags = drawn_from(said)
+    assert (plant.length, plant.amplitude) == (pytest.approx(0.3048), 0.01)
+    assert bags == [said['bags']]
+    with pytest.raises(UsageError, match='bags:=/nowhere: no run is there'):
+        drawn_from(said | {'bags': '/nowhere'})
+    with pytest.raises(UsageError, match='length'):
+        drawn_from(said | {'length': 'x'})
 
 
 @pytest.mark.parametrize('file', ['rig.launch.py', 'replay.launch.py'])

@@ -20,6 +20,7 @@ from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.ros.qos import LATCHED
 
 PATIENCE = 30.0
+SHARED_MEMORY = Path('/dev/shm')  # noqa: S108  # nothing is put there
 
 
 def script(text: str) -> list[str]:
@@ -30,6 +31,21 @@ def interrupt_once_joined(node: subprocess.Popen[str]) -> None:
     assert node.stderr is not None
     assert next(line for line in node.stderr if 'joins domain' in line)
     node.send_signal(signal.SIGINT)
+
+
+@pytest.mark.parametrize(
+    'arguments', [['player'], ['pendulum', '--ros-args', '-p', 'length:=-1.0'], ['player', '--help']]
+)
+def test_a_node_that_is_refused_leaves_no_shared_memory(domain: int, arguments: list[str]) -> None:
+    """Fast DDS opens it where no profile says otherwise, and only a node that is destroyed takes it away."""
+    environment = {name: value for name, value in os.environ.items() if 'RTPS' not in name and 'FASTDDS' not in name}
+    command = [sys.executable, '-m', 'kapitsa_ros.nodes', *arguments]
+    own = {'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    done = subprocess.run(command, env=environment | own, capture_output=True, timeout=PATIENCE, check=False)
+    assert done.returncode == (0 if '--help' in arguments else 2)
+    first = 7400 + 250 * domain
+    left = {path.name for path in SHARED_MEMORY.glob('fastrtps_port*')}
+    assert left.isdisjoint(f'fastrtps_port{port}' for port in range(first, first + 250))
 
 
 HOST = """

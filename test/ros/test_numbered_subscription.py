@@ -53,6 +53,28 @@ def test_a_gap_names_the_second_writer_who_may_have_made_it(
     assert (type(failed[0]), str(failed[0])) == (error, said)
 
 
+@pytest.mark.parametrize(
+    ('writers', 'strangers'),
+    [
+        (['strobe'], []),
+        (['strobe', 'stranger'], ['stranger']),
+        (['_NODE_NAME_UNKNOWN_'], []),
+        (['_NODE_NAME_UNKNOWN_', 'strobe'], ['a node without a name yet']),
+        (['_NODE_NAME_UNKNOWN_', 'stranger'], ['stranger']),
+        (['_NODE_NAME_UNKNOWN_', '_NODE_NAME_UNKNOWN_'], ['a node without a name yet']),
+    ],
+)
+def test_the_topics_own_writer_is_no_stranger_before_its_name_is_known(
+    writers: list[str], strangers: list[str]
+) -> None:
+    node = SimpleNamespace(
+        create_subscription=lambda *_, **__: None,
+        get_publishers_info_by_topic=lambda _: [SimpleNamespace(node_name=name) for name in writers],
+    )
+    source = NumberedSubscription(node, STROBE_READING, pytest.fail, pytest.fail, pytest.fail)
+    assert source.strangers() == strangers
+
+
 def say(receive: Any, number: int, *, publication: int) -> None:
     step = StepId(1, number)
     raw = STROBE_READING.codec.encode_silence(86_400_000_000_000 + number * 100_000_000, step)

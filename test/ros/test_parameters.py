@@ -1,5 +1,7 @@
 """What `ros2 param describe` says is derived from the schema."""
 
+from pathlib import Path
+
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
@@ -12,8 +14,9 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.parameters_yaml import parameters_yaml
+from kapitsa_ros.rig.setup import Replay, Setup, parameters, replay_parameters
 from kapitsa_ros.ros.errors import SettingError
-from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set
+from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set, unknown_parameters
 
 pytestmark = pytest.mark.xdist_group('processes')
 
@@ -54,6 +57,12 @@ def test_a_set_is_declared_with_defaults_ranges_and_meanings(node_with):
     assert (restitution.from_value, restitution.to_value) == (0.0, 1.0)
     assert all(parameter.read_only for parameter in described.values())
     assert all(parameter.description.isascii() for parameter in described.values())
+
+
+def test_what_all_nodes_of_a_rig_or_a_replay_are_given_is_known_to_each(node_with):
+    for given in (parameters(Setup()), replay_parameters([Path('run')], Replay())):
+        assert unknown_parameters(node_with(**given)) == []
+        assert len(unknown_parameters(node_with(**given, lenght=0.3))) == 1
 
 
 def test_fields_that_are_not_named_are_not_declared(node_with):

@@ -78,7 +78,8 @@ def test_without_the_middleware_other_tests_run(tmp_path: Path) -> None:
     tests.write_text('def test_one(): pass\ndef test_rig(rig): pass\ndef test_three(): pass\n')
     done = subprocess.run(
         [sys.executable, '-m', 'pytest', '-q', tests, '--rootdir', tmp_path, '-p', 'no:cacheprovider'],
-        env=os.environ | {'RMW_IMPLEMENTATION': 'rmw_of_nobody_cpp'},
+        # In PYTEST_ADDOPTS colcon has options that are of this suite.
+        env=os.environ | {'RMW_IMPLEMENTATION': 'rmw_of_nobody_cpp', 'PYTEST_ADDOPTS': ''},
         capture_output=True, text=True, timeout=60, check=False,
     )  # fmt: skip
     assert '2 passed' in done.stdout

@@ -20,6 +20,7 @@ from kapitsa_ros.cli.options import (
 from kapitsa_ros.cli.show_result import show_result
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.recording.writer import COMPRESSIONS, STORAGES
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
@@ -83,7 +84,7 @@ def experiment(
         )
     show_result(found.values, plant, as_json=as_json)
     if not as_json:
-        click.echo(f'{len(found.bags)} runs below {bags}; {found.realtime_factor:.0f} times real time')
+        click.echo(f'{counted(len(found.bags), "run")} below {bags}; {found.realtime_factor:.0f} times real time')
         click.echo('Next:')
         click.echo(f'  kapitsa report {bags} --output report.html')
         click.echo(f'  kapitsa analyse {bags} --budget --table timings.csv')
