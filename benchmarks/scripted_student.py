@@ -115,6 +115,7 @@ class Student:
         while len(self._lines()) < self.speeds:
             timed = await self._time_at(speed)
             speed = min(speed * (1.2 if timed else 1.1), 4800.0)
+        await self._until(lambda: 'fit' in self.told)
         await self._until(lambda: len(self.told['fit'].get('forcing_rpm', ())) >= min(self.speeds, len(self._lines())))
         fit = self.told['fit']
         low, high = fit['interval_rpm']

@@ -79,6 +79,11 @@ class FrameSchedule:
                 )
             )
 
+    def skip(self, now: float) -> None:
+        """Show nothing of a block: nobody looks."""
+        self._since = now
+        self._frames.clear()
+
     def due(self, now: float) -> Frame | None:
         """Return the newest frame that is due and was not returned yet."""
         newest = None
