@@ -11,7 +11,7 @@ from typing import Any, Self
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from websockets.sync.client import connect
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 _MESSAGE, _TIME, _ANSWER, _PLAYBACK = 1, 2, 3, 5
 """First bytes of binary frames from the server."""
 _PUBLISH, _CALL, _CONTROL = 1, 2, 3

@@ -143,7 +143,7 @@ def test_an_installed_executable_refuses_a_wrong_parameter_in_one_line(
     installed: Callable[..., subprocess.Popen[str]], role: str, wrong: str, said: str
 ) -> None:
     process = installed(role, '-p', wrong)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=180)
     assert process.returncode == 2
     assert err.startswith(f'{role}: error: {said}')
     assert err.count('\n') == 1

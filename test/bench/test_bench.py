@@ -56,7 +56,7 @@ from kapitsa_ros.bench.app import HEIGHT, BenchApp
 from kapitsa_ros.bench.help_text import HELP
 
 pytestmark = pytest.mark.xdist_group('bench')
-PATIENCE = 60.0
+PATIENCE = 180.0
 _NAMES = {'.': 'full_stop', '?': 'question_mark'}
 OF_1997 = load_instruments('1997')
 

@@ -102,7 +102,7 @@ def test_a_session_recorded_by_others_is_what_the_rig_itself_recorded(tmp_path: 
             rig.reset()
             rig.wait_for('analyser/result')
         recorder.send_signal(signal.SIGINT)
-        assert recorder.wait(timeout=60.0) == 0
+        assert recorder.wait(timeout=180) == 0
     own = {run.number: run for run in map(RunBag, sorted((tmp_path / 'own').iterdir()))}
     for form in FORMS:
         runs = {run.number: run for run in open_runs(tmp_path / form)}

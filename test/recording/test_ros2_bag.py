@@ -17,7 +17,7 @@ from kapitsa_ros.rig.environment import loopback
 
 PACKAGES = 'ros-jazzy-ros2bag, ros-jazzy-rosbag2-storage-mcap and ros-jazzy-rosbag2-storage-sqlite3'
 ROS2 = shutil.which('ros2')
-HAS_BAG = ROS2 and not subprocess.run([ROS2, 'bag', '--help'], capture_output=True, timeout=60, check=False).returncode
+HAS_BAG = ROS2 and not subprocess.run([ROS2, 'bag', '--help'], capture_output=True, timeout=180, check=False).returncode
 pytestmark = pytest.mark.skipif(not HAS_BAG, reason=f'needs ros2 with its command bag on the PATH: {PACKAGES}')
 STORAGES = pytest.mark.parametrize('storage', ['mcap', 'sqlite3'])
 

@@ -27,7 +27,7 @@ from kapitsa_ros.rig.session import replay_bags
 from kapitsa_ros.rig.setup import Replay, Setup, parameters
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 pytestmark = pytest.mark.xdist_group('processes')
 
 
@@ -109,7 +109,7 @@ sys.exit(main(['composed', 'strobe', 'pendulum']))
 def test_the_node_that_has_a_bug_is_named(domain: int) -> None:
     command = [sys.executable, '-c', BUG]
     done = subprocess.run(
-        command, env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False
+        command, env=node_environment(domain), capture_output=True, text=True, timeout=180, check=False
     )
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1] == "pendulum: error: RuntimeError('a bug')"
@@ -127,7 +127,7 @@ def test_what_a_launch_starts() -> None:
     given = ['--ros-args', '-r', '__ns:=/lab', '-p', 'clearance:=-1.0']
     command = [sys.executable, '-m', 'kapitsa_ros.nodes', 'composed', *together['arguments'], 'pendulum', *given]
     command[command.index('7')] = str(os.getpid())
-    done = subprocess.run(command, env=node_environment(99), capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, env=node_environment(99), capture_output=True, text=True, timeout=180, check=False)
     assert done.returncode == 2
     assert 'pendulum: error: parameter clearance' in done.stderr
     assert '[lab.jigsaw]: joins domain' in done.stderr

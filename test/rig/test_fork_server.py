@@ -20,7 +20,7 @@ from kapitsa_ros.rig.file_in_memory import file_in_memory
 from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 pytestmark = pytest.mark.xdist_group('harness')
 
 

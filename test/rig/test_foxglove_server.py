@@ -55,7 +55,7 @@ def serving(domain: int, *bags: Path) -> Iterator[FoxgloveClient]:
         with FoxgloveClient(int(found[1])) as client:
             yield client
         process.terminate()
-        assert process.wait(timeout=60) == 0
+        assert process.wait(timeout=180) == 0
     finally:
         process.kill()
         process.wait()
@@ -215,7 +215,7 @@ def test_a_port_that_is_taken_is_named(domain: int) -> None:
             env=node_environment(domain),
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=180,
             check=False,
         )
     assert done.returncode == 2

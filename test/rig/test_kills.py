@@ -22,7 +22,7 @@ from kapitsa_ros.ros.rig_client import RigClient
 
 pytestmark = pytest.mark.xdist_group('harness')
 TARGETS = {'recorder': ['recorder'], 'pendulum': ['pendulum'], 'group': list(ROLE_NAMES)}
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 def kill(folder: Path, storage: str, rate: float, roles: list[str], at_step: int) -> tuple[Path, int]:

@@ -29,7 +29,7 @@ from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 Kapitsa = Callable[..., Any]
 Recorded = tuple[Path, dict[str, Any]]
-PATIENCE = 60.0
+PATIENCE = 180.0
 pytestmark = pytest.mark.xdist_group('processes')
 
 
@@ -259,7 +259,7 @@ def test_a_node_that_is_killed_ends_the_experiment(
         shared = shared_memory_of(nodes.values())
         assert len(shared) == len(ROLE_NAMES)
         os.kill(nodes[role], signal.SIGKILL)
-        out, err = process.communicate(timeout=30)
+        out, err = process.communicate(timeout=180)
     finally:
         process.kill()
         process.wait()
@@ -286,7 +286,7 @@ def test_a_node_that_is_asked_to_leave_ends_the_experiment_too(
         assert next(line for line in process.stderr if 'run 1 of 3' in line)
         nodes = processes_of(process.pid)
         os.kill(nodes['strobe'], signal.SIGTERM)
-        _, err = process.communicate(timeout=30)
+        _, err = process.communicate(timeout=180)
     finally:
         process.kill()
         process.wait()

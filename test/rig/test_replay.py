@@ -41,7 +41,7 @@ from kapitsa_ros.ros.qos import VIEW
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 class Audience:

@@ -16,7 +16,7 @@ from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.rig.environment import node_environment
 
 TOOLS = {name: shutil.which(name) for name in ('ip', 'nsenter', 'unshare', 'sleep', 'true')}
-PATIENCE = 60.0
+PATIENCE = 180.0
 DOMAIN = 5  # of hosts of their own
 LIFE = '300'
 """Seconds after which a host is gone, whatever becomes of this process."""

@@ -61,7 +61,7 @@ TOPICS = {f'/{topic.name}': topic.type for topic in RECORDED} | {
     '/clock': 'rosgraph_msgs/msg/Clock',
     '/diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
 }
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 # What is published.

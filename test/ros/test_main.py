@@ -19,7 +19,7 @@ from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.ros.qos import LATCHED
 
-PATIENCE = 30.0
+PATIENCE = 180.0
 SHARED_MEMORY = Path('/dev/shm')  # noqa: S108  # nothing is put there
 
 
@@ -91,7 +91,7 @@ sys.exit(main(['pendulum']))
 
 def run(text: str, domain: int) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        script(text), env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False
+        script(text), env=node_environment(domain), capture_output=True, text=True, timeout=180, check=False
     )
 
 
@@ -154,7 +154,9 @@ os._exit(0)
 
 
 def test_a_node_of_a_rig_that_was_killed_ends(domain: int) -> None:
-    done = subprocess.run(script(ORPHANS.format(domain=domain)), capture_output=True, text=True, timeout=60, check=True)
+    done = subprocess.run(
+        script(ORPHANS.format(domain=domain)), capture_output=True, text=True, timeout=180, check=True
+    )
     pidfd = None
     try:
         pidfd = os.pidfd_open(int(done.stdout))
@@ -267,7 +269,7 @@ def test_a_node_in_another_thread_is_refused_in_one_line(domain: int) -> None:
 def test_the_help_of_a_node_lists_its_parameters(role: str, lines: list[str], domain: int) -> None:
     done = subprocess.run(
         [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--help'],
-        env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False,
+        env=node_environment(domain), capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert done.stdout.startswith(f'usage: {role} [--ros-args')
@@ -287,7 +289,7 @@ def test_the_help_of_a_node_lists_its_parameters(role: str, lines: list[str], do
 def test_a_parameter_that_cannot_be_used_is_one_line(role: str, given: str, words: str, domain: int) -> None:
     done = subprocess.run(
         [sys.executable, '-m', 'kapitsa_ros.nodes', role, '--ros-args', '-p', given],
-        env=node_environment(domain), capture_output=True, text=True, timeout=60, check=False,
+        env=node_environment(domain), capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr.startswith(f'{role}: error: parameter')
@@ -299,6 +301,6 @@ def test_a_help_that_cannot_be_written_is_one_line(domain: int) -> None:
     with open('/dev/full', 'w') as full:  # noqa: PTH123
         done = subprocess.run(
             [sys.executable, '-m', 'kapitsa_ros.nodes', 'strobe', '--help'],
-            env=node_environment(domain), stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False,
+            env=node_environment(domain), stdout=full, stderr=subprocess.PIPE, text=True, timeout=180, check=False,
         )  # fmt: skip
     assert (done.returncode, done.stderr) == (1, 'kapitsa: error: [Errno 28] No space left on device\n')

@@ -40,7 +40,7 @@ def test_a_node_in_a_domain_without_a_port_says_so_in_one_line() -> None:
     """Fast DDS would end the process itself, with a word on stdout."""
     done = subprocess.run(
         [sys.executable, '-m', 'kapitsa_ros.nodes', 'jigsaw'],
-        env=os.environ | {'ROS_DOMAIN_ID': '500'}, capture_output=True, text=True, timeout=60, check=False,
+        env=os.environ | {'ROS_DOMAIN_ID': '500'}, capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (2, '')
     assert done.stderr == 'jigsaw: error: ROS_DOMAIN_ID is 500: give a number from 0 to 232\n'
@@ -66,7 +66,7 @@ def test_without_the_middleware_nothing_starts(start: list[str]) -> None:
     done = subprocess.run(
         [sys.executable, *start],
         env=os.environ | {'RMW_IMPLEMENTATION': 'rmw_of_nobody_cpp'},
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert (done.returncode, done.stdout) == (2, '')
     [line] = done.stderr.splitlines()
@@ -80,7 +80,7 @@ def test_without_the_middleware_other_tests_run(tmp_path: Path) -> None:
         [sys.executable, '-m', 'pytest', '-q', tests, '--rootdir', tmp_path, '-p', 'no:cacheprovider'],
         # In PYTEST_ADDOPTS colcon has options that are of this suite.
         env=os.environ | {'RMW_IMPLEMENTATION': 'rmw_of_nobody_cpp', 'PYTEST_ADDOPTS': ''},
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     assert '2 passed' in done.stdout
     assert '1 error' in done.stdout
@@ -108,7 +108,7 @@ def test_a_full_shared_memory_is_said_before_a_signal_kills_the_process() -> Non
     mount = 'mount -t tmpfs -o size=64k shm /dev/shm; head -c 65536 /dev/zero > /dev/shm/full; exec "$@"'
     done = subprocess.run(
         ['/usr/bin/unshare', '-m', 'sh', '-c', mount, '-', sys.executable, '-m', 'kapitsa_ros.nodes', 'jigsaw'],
-        capture_output=True, text=True, timeout=60, check=False,
+        capture_output=True, text=True, timeout=180, check=False,
     )  # fmt: skip
     if 'unshare:' in done.stderr or 'mount:' in done.stderr:
         pytest.skip('no mount namespaces here')

@@ -19,7 +19,7 @@ from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 SIGNALS = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP]
 EXPERIMENT = [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '1', '--bags']
 pytestmark = pytest.mark.xdist_group('processes')

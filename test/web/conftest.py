@@ -20,7 +20,7 @@ with suppress(ImportError):
     from websockets.exceptions import ConnectionClosed
     from websockets.sync.client import connect
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 
 
 @dataclass

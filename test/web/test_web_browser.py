@@ -22,7 +22,7 @@ OFFLINE = (
     '--disable-sync',
     '--no-first-run',
 )
-PATIENCE = 60_000
+PATIENCE = 180_000
 SPEEDS = {2240: 12, 2640: 10, 2780: 9}
 """RPM, and tenths of a second that two swings take there, nearly."""
 pytestmark = [

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.recording.reader import RunBag
 
-PATIENCE = 60.0
+PATIENCE = 180.0
 pytestmark = pytest.mark.xdist_group('web')
 
 
