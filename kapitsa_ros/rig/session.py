@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -64,7 +65,7 @@ def run_experiment(
         A node died.
 
     """
-    was_there = setup.bags.exists()
+    was_there = os.path.isdir(setup.bags)  # noqa: PTH112  # what cannot be looked at is refused with a reason below
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
     try:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from kapitsa_ros.rig.domain import reserved_domain
-from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.session import run_experiment
 from kapitsa_ros.rig.setup import Setup
 
@@ -41,3 +41,5 @@ def test_an_experiment_in_a_domain_that_is_taken_leaves_no_folder(
             with pytest.raises(RigError, match='already'):
                 run_experiment(Setup(bags=tmp_path / folder), lambda _: None)
     assert [path.name for path in tmp_path.iterdir()] == ['there']
+    with pytest.raises(UsageError, match='null byte'):
+        run_experiment(Setup(bags=tmp_path / 'a\0b'), lambda _: None)
