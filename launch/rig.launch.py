@@ -13,11 +13,12 @@ from kapitsa_ros.rig.launch_arguments import (
     PLANT_ARGUMENTS,
     executables,
     given_to_viewer,
+    make_ready,
     node_options,
     rig_from,
 )
 from kapitsa_ros.rig.setup import parameters
-from kapitsa_ros.rig.viewers import VIEWERS
+from kapitsa_ros.rig.viewers import VIEWERS, programs
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
 
 ARGUMENTS = {
@@ -50,8 +51,9 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     if arguments['viewer'] != 'none':
         path = Path(__file__).with_name('viewer.launch.py')
         given = given_to_viewer(arguments, setup.plant)
-        # First, so that nothing has started when its package is missing.
-        started.insert(0, IncludeLaunchDescription(str(path), launch_arguments=given.items()))
+        programs(arguments['viewer'], setup.plant)  # nothing is made or started where its package is missing
+        started.append(IncludeLaunchDescription(str(path), launch_arguments=given.items()))
+    make_ready(setup)
     return started
 
 

@@ -40,17 +40,17 @@ _NAMESPACE = re.compile(r'/|(/?[a-z_]\w*)(/[a-z_]\w*)*', re.ASCII | re.IGNORECAS
 
 
 def rig_from(arguments: Mapping[str, str]) -> Setup:
-    """Return the rig that the arguments of a launch describe, its folder of bags made.
+    """Return the rig that the arguments of a launch describe.
 
     Raises
     ------
     UsageError
-        An argument cannot be used; nothing has been started.
+        An argument cannot be used.
 
     """
     with _errors_in_launch_form():
         of_plant = {name: arguments[name] for name in PLANT_ARGUMENTS if arguments.get(name)}
-        setup = Setup(
+        return Setup(
             plant=load_preset(arguments['preset'], parse_assignments(arguments['plant'].split()) | of_plant),
             instruments=load_instruments(arguments['instruments'], parse_assignments(arguments['instrument'].split())),
             protocol=arguments['protocol'],
@@ -59,8 +59,19 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
             bags=Path(arguments['bags']).expanduser(),
             compression=arguments['compression'],
         )
+
+
+def make_ready(setup: Setup) -> None:
+    """Make the folder for the bags of a rig: after all else that may be refused.
+
+    Raises
+    ------
+    UsageError
+        It cannot be written, or the rig not be started.
+
+    """
+    with _errors_in_launch_form():
         prepare(setup)
-    return setup
 
 
 def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str, Any]) -> dict[str, Any]:

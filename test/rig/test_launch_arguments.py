@@ -20,11 +20,13 @@ from kapitsa_ros.rig.launch_arguments import (
     drawn_from,
     end_with_failed,
     given_to_viewer,
+    make_ready,
     node_options,
     replay_from,
     rig_from,
 )
 from kapitsa_ros.rig.preflight import make_writable
+from kapitsa_ros.rig.setup import Setup
 
 CHECKOUT = Path(__file__).parents[2]
 PLAYED = {'rate': '1.0', 'start': '0.0', 'end': '', 'loop': 'false', 'start_paused': 'false'}
@@ -34,10 +36,18 @@ SAID = {
 }  # fmt: skip
 
 
+def ready(said: dict[str, str]) -> Setup:
+    setup = rig_from(said)
+    make_ready(setup)
+    return setup
+
+
 def test_text_becomes_a_rig(tmp_path: Path) -> None:
     setup = rig_from(SAID | {'bags': str(tmp_path / 'new')})
     assert (setup.plant.coulomb, setup.rate, setup.seed, setup.compression) == (0.05, 2.0, 7, 'none')
     assert setup.bags == tmp_path / 'new'
+    assert not setup.bags.exists()  # other arguments may still be refused
+    make_ready(setup)
     assert setup.bags.is_dir()
 
 
@@ -56,7 +66,7 @@ def test_text_becomes_a_rig(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused_in_words_of_launch(tmp_path: Path, name: str, value: str, said: str) -> None:
     with pytest.raises(UsageError, match=re.escape(said)) as error:
-        rig_from(SAID | {'bags': str(tmp_path / 'new'), name: value})
+        ready(SAID | {'bags': str(tmp_path / 'new'), name: value})
     assert '--' not in str(error.value)
     assert not (tmp_path / 'new').exists()
 
@@ -65,7 +75,7 @@ def test_what_cannot_be_is_refused_in_words_of_launch(tmp_path: Path, name: str,
 def test_a_run_that_is_there_is_refused_before_the_start(tmp_path: Path, protocol: str, run: str) -> None:
     (tmp_path / run).mkdir()
     with pytest.raises(UsageError, match=f'{run} exists: .* another bags:='):
-        rig_from(SAID | {'bags': str(tmp_path), 'protocol': protocol})
+        ready(SAID | {'bags': str(tmp_path), 'protocol': protocol})
 
 
 def test_a_parameter_of_the_plant_is_an_argument_of_its_own(tmp_path: Path) -> None:
@@ -109,7 +119,7 @@ def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:
     fast = tmp_path / 'fast.yaml'
     fast.write_text('speeds: [6000 rpm]\n', encoding='utf-8')
     with pytest.raises(UsageError, match='protocol:= wants 6000 RPM'):
-        rig_from(SAID | {'bags': str(tmp_path / 'new'), 'protocol': str(fast)})
+        ready(SAID | {'bags': str(tmp_path / 'new'), 'protocol': str(fast)})
 
 
 def test_a_value_that_looks_like_an_option_stays_as_it_was_given(tmp_path: Path) -> None:
