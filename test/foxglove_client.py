@@ -50,7 +50,11 @@ class FoxgloveClient:
     def until(self, true: Callable[[], Any], patience: float = PATIENCE) -> None:
         deadline = time.monotonic() + patience
         while not true():
-            self._take(self.link.recv(timeout=deadline - time.monotonic()))
+            try:
+                self._take(self.link.recv(timeout=deadline - time.monotonic()))
+            except TimeoutError as error:
+                came = {topic: len(messages) for topic, messages in self.messages.items()}
+                raise TimeoutError(f'it has not come to pass; messages {came}, times {self.times[-1:]}') from error
 
     def settle(self, seconds: float) -> None:
         with suppress(TimeoutError):
