@@ -29,6 +29,7 @@ class JointStatePublisher:
     """Publishes the motion for viewers, and neither waits for them nor lets them wait."""
 
     def __init__(self, node: Node) -> None:
+        self._node = node
         self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
         self._schedule = FrameSchedule()
         self._newest: tuple[int, Callable[[], tuple[SampledMotion, SampledMotion]]] | None = None
@@ -63,7 +64,9 @@ class JointStatePublisher:
         if self._newest is not None and self._schedule.wants(now):
             stamp_ns, blocks = self._newest
             self._newest = None
-            if not self._publisher.get_subscription_count():  # fifty frames a second would be half of the wake-ups
+            # Fifty frames a second are most of a rig's wake-ups. The graph is asked, and not the publisher: its own
+            # count follows events that tell of one reader each, and an event may tell of two.
+            if not self._node.count_subscribers(self._publisher.topic_name):
                 self._schedule.skip(now)
                 return
             with suppress(WireError):  # of a bag, which may still be analysed
