@@ -35,7 +35,7 @@ class DaskCluster:
     def __init__(self, address: str) -> None:
         distributed = import_of_extra('distributed', '--scheduler', 'campaign')
         try:
-            self._client = distributed.Client(address, timeout=_PATIENCE)
+            self._client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)  # a program has its own
         except (OSError, ValueError) as error:
             raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
         self._address = address

@@ -129,12 +129,10 @@ def replay_bags(
         raise UsageError(f'--start is {replay.part.start:g} s: the runs last {duration:g} s together')
 
     def values(monitor: SessionMonitor) -> dict[str, Any]:
+        # A replay may be over before a report of its player has come.
+        factor = float(monitor.progress.get('realtime_factor', monitor.realtime_factor))
         played = [] if replay.part == PlaybackParameters() else [replay.part.start, min(replay.part.end, duration)]
-        return (
-            _as_analysed(bags, monitor)
-            | {'realtime_factor': float(monitor.progress['realtime_factor'])}
-            | ({'played_s': played} if played else {})
-        )
+        return _as_analysed(bags, monitor) | {'realtime_factor': factor} | ({'played_s': played} if played else {})
 
     def tell(monitor: SessionMonitor) -> None:
         if on_result is not None:

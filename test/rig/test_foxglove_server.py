@@ -130,7 +130,9 @@ def test_a_client_plays_a_replay_and_sees_what_is_recorded() -> None:
         assert (start, end) == timeline.range_ns
         assert end - start == round(Playback(runs_of(bags)).duration * SECOND)
         assert client.playback[-1]['status'] == 'paused'
-        # Slow enough for a server that subscribes late to see most of the first run: it is shown once.
+        while not client.messages['/pendulum/motion']:  # a run is shown once: not before the server has subscribed
+            assert client.call('/player/step')[0]
+            client.settle(0.5)
         assert client.control(PLAY, 3.0)['status'] == 'playing'
         client.until(lambda: len(client.messages['/pendulum/motion']) > 40)
         state = client.control(PAUSE, 1.0, start + 3 * SECOND)

@@ -212,6 +212,12 @@ def test_the_command_line_plays_a_part_in_a_loop_until_it_is_interrupted(
     assert told['played_s'] == [1.0, 2.0]
 
 
+def test_a_replay_of_which_no_progress_was_heard_has_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where it is over before the report of its player comes."""
+    monkeypatch.setattr(SessionMonitor, '_take_progress', lambda *_: None)
+    assert replay_bags(SHIPPED[:1], Replay(), lambda _: None)['realtime_factor'] > 0.0
+
+
 @pytest.mark.parametrize('rate', [0.0, 1000.0])
 def test_part_of_the_runs_is_analysed_to_its_end(rate: float) -> None:
     """Of three runs the first two, and of the third what was recorded until then: nothing was timed there."""
