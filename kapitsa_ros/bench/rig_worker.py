@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Protocol
 
 from kapitsa_ros.errors import said_of
-from kapitsa_ros.network.registry import MOTION, PIVOT, RESULT, STOPWATCH_READING, STROBE_READING
+from kapitsa_ros.network.registry import COMMAND, RECORDED
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.rig.errors import RigError
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     Order = Callable[[Rig], None]
 
-_TOPICS = (PIVOT.name, MOTION.name, STROBE_READING.name, STOPWATCH_READING.name, RESULT.name)
-"""That a person sees something of."""
+_TOPICS = tuple(topic.name for topic in RECORDED if topic is not COMMAND)
+"""That a person sees something of: what was commanded they know."""
 LISTEN = 1.0
 """Seconds for which news is waited for; an order ends the wait."""
 GATHERING = 0.01

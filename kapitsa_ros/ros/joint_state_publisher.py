@@ -64,8 +64,8 @@ class JointStatePublisher:
         if self._newest is not None and self._schedule.wants(now):
             stamp_ns, blocks = self._newest
             self._newest = None
-            # Fifty frames a second are most of a rig's wake-ups. The graph is asked, and not the publisher: its own
-            # count follows events that tell of one reader each, and an event may tell of two.
+            # Fifty frames a second are most of a rig's wake-ups. The graph is asked, as it is of
+            # peers: the publisher's own count is suspected of having missed a reader once, in some forty starts.
             if not self._node.count_subscribers(self._publisher.topic_name):
                 self._schedule.skip(now)
                 return

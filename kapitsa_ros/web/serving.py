@@ -98,7 +98,7 @@ async def serving(app: ASGIApp, listening: socket.socket) -> AsyncIterator[async
     try:
         yield task
     finally:
-        server.leave()
+        server.should_exit = True
         await task
 
 
@@ -111,24 +111,7 @@ async def cancelled(*tasks: asyncio.Task[None]) -> None:
 
 
 class _Server(uvicorn.Server):
-    """A server that leaves signals to whoever runs it, and looks around once a second: it did so ten times."""
-
-    def __init__(self, config: uvicorn.Config) -> None:
-        super().__init__(config)
-        self._left = asyncio.Event()
-
-    async def main_loop(self) -> None:
-        """Serve until `leave` is called; then close what is open."""
-        while not self.should_exit:
-            await self.on_tick(0)  # at 0 it renews the date that answers bear
-            with suppress(TimeoutError):
-                async with asyncio.timeout(1.0):
-                    await self._left.wait()
-
-    def leave(self) -> None:
-        """Serve no longer."""
-        self.should_exit = True
-        self._left.set()
+    """A server that leaves signals to whoever runs it."""
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
