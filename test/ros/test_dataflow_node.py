@@ -1,11 +1,13 @@
 """A node of the dataflow network, in this process, beside others that the test makes."""
 
 import os
+import select
 import signal
 import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
 
@@ -58,8 +60,27 @@ def ros(domain: int) -> Iterator[int]:
         rclpy.try_shutdown()
 
 
+@contextmanager
+def piped_stderr() -> Iterator[Callable[[], str]]:
+    """Give what waits for a line on stderr; `capfd` loses what another thread writes while it is read."""
+    lines, stderr = os.pipe()
+    saved = os.dup(2)
+    os.dup2(stderr, 2)
+
+    def wait() -> str:
+        ready, _, _ = select.select([lines], [], [], 180.0)
+        return os.read(lines, 1000).decode() if ready else ''
+
+    try:
+        yield wait
+    finally:
+        os.dup2(saved, 2)
+        for end in (lines, stderr, saved):
+            os.close(end)
+
+
 def test_a_full_writer_waits_names_the_reader_and_loses_nothing(
-    ros: int, capfd: pytest.CaptureFixture[str], eventually: Callable[[Callable[[], Any]], None]
+    ros: int, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
     reader = subprocess.Popen([sys.executable, '-c', READER, str(ros)], stdout=subprocess.PIPE, text=True)
     assert reader.stdout is not None
@@ -81,10 +102,9 @@ def test_a_full_writer_waits_names_the_reader_and_loses_nothing(
                 node.emit_silence(STROBE_READING, StepId(1, step), step)
             sent.set()
 
-        threading.Thread(target=emit_all, daemon=True).start()
-        log: list[str] = []  # the writer's thread waits, and says so on stderr only
-        eventually(lambda: log.append(capfd.readouterr().err) or 'is full' in ''.join(log))
-        assert 'strobe/reading is full: waiting for a reader that has stopped (stopped_reader)' in ''.join(log)
+        with piped_stderr() as line:
+            threading.Thread(target=emit_all, daemon=True).start()
+            assert 'strobe/reading is full: waiting for a reader that has stopped (stopped_reader)' in line()
         assert not sent.is_set()
         reader.send_signal(signal.SIGCONT)
         assert reader.stdout.readline() == 'True\n'
