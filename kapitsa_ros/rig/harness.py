@@ -14,8 +14,7 @@ from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.instruments.settings import Instruments
-from kapitsa_ros.network.registry import CLIENT, COMMAND, ROLE_NAMES
-from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.network.registry import CLIENT, ROLE_NAMES
 from kapitsa_ros.operator.protocol import MANUAL
 from kapitsa_ros.operator.requests import check_release, check_speed
 from kapitsa_ros.physics.jigsaw_parameters import MAX_SPEED
@@ -27,6 +26,7 @@ from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
+from kapitsa_ros.rig.simulation_control import SimulationControl
 from kapitsa_ros.ros.rig_client import TOPIC_NAMES, RigClient
 from kapitsa_ros.units import RPM
 
@@ -255,46 +255,31 @@ class Rig:
 
     def pause(self) -> None:
         """Let time stand still; when this returns, the last step has come through."""
-        self._wait_for_step_before(self._call('pause'))
+        self._control.pause()
 
     def resume(self) -> None:
         """Let time run again."""
-        self._call('resume')
+        self._control.resume()
 
     def step(self, count: int = 1) -> None:
         """Make some steps of a paused rig; when this returns, they have come through."""
-        self._set(steps=count)
-        self._wait_for_step_before(self._call('step'))
+        self._control.step(count)
 
     def set_rate(self, rate: float) -> None:
         """Change simulated over wall seconds; 0: as fast as it can."""
-        self._set(rate=float(rate))
+        self._control.set_rate(float(rate))
 
     def reset(self) -> None:
         """End the run under way and open the next, with a bag of its own.
 
         When this returns, requests go to the new run, and nothing but the result is left of what the earlier one said.
         """
-        run = self._call('reset').run
-        self._until(lambda: self._has_opened(run) or None, PATIENCE, f'run {run}')
-        self._client.forget_before(run)
+        self._control.reset()
 
-    def _has_opened(self, run: int) -> bool:
-        seen = dict(self._client.seen)
-        commanded = seen.pop(COMMAND.name)
-        return (
-            commanded is not None
-            and commanded.run >= run
-            and all(step_id is not None and (step_id.run, step_id.end) >= (run - 1, True) for step_id in seen.values())
-        )
-
-    def _wait_for_step_before(self, next_step: StepId) -> None:
-        def has_come() -> bool | None:
-            seen = list(self._client.seen.values())
-            return all(step_id is not None and _is_through(step_id, next_step) for step_id in seen) or None
-
-        if next_step.step:
-            self._until(has_come, PATIENCE, f'the step before {next_step}')
+    @property
+    def _control(self) -> SimulationControl:
+        self._refuse_unless_running()
+        return SimulationControl(self._client, lambda found, what: self._until(found, PATIENCE, what))
 
     def _ask(self, topic: str, value: float) -> None:
         if 'operator' in self._roles and self._protocol != MANUAL:
@@ -303,26 +288,6 @@ class Rig:
             )
         self._until(lambda: self._client.is_heard(topic) or None, PATIENCE, f'somebody who takes {topic}')
         self._client.ask(topic, value)
-
-    def _call(self, service: str) -> StepId:
-        """Call a service; return the number in its answer, or raise what else it says."""
-        answer = self._answer(self._served().call(service), f'an answer of jigsaw/{service}')
-        if not answer.success:
-            raise RigError('jigsaw/{service}: {answer}', service=service, answer=answer.message)
-        return StepId.parse(answer.message)
-
-    def _set(self, **values: float) -> None:
-        for result in self._answer(self._served().set_parameters(**values), 'an answer of the jigsaw').results:
-            if not result.successful:
-                raise UsageError('jigsaw: {why}', why=result.reason)
-
-    def _answer(self, future: Any, what: str) -> Any:
-        self._until(lambda: future.done() or None, PATIENCE, what)
-        return future.result()
-
-    def _served(self) -> RigClient:
-        self._until(lambda: self._client.is_served() or None, PATIENCE, 'a jigsaw that can be called')
-        return self._client
 
     def _refuse_unless_running(self) -> None:
         if self._stack is None:
@@ -346,13 +311,6 @@ class Rig:
                 waiting = '' if any(self._client.seen.values()) else self._nodes.who_waits()
                 raise TimeoutError(f'{what} did not come within {timeout} s{waiting and f": {waiting}"}')
             ended = self._nodes.wait(min(left, _LOOK_PERIOD), self._client.news)
-
-
-def _is_through(step_id: StepId, next_step: StepId) -> bool:
-    """Whether a topic that is at a number has said all that comes before a step."""
-    return (step_id.run, step_id.step) >= (next_step.run, next_step.step - 1) or (
-        step_id.end and step_id.run == next_step.run
-    )
 
 
 def _known(topic: str) -> str:
