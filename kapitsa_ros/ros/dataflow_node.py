@@ -51,6 +51,8 @@ HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
 REFUSAL_PERIOD = 5.0
 """Seconds of wall time between two lines on input that was not used."""
+STRANGER_PERIOD = 5.0
+"""Seconds of wall time between two looks at who else writes: what they write is refused at once."""
 GRACE = 3.0
 """Seconds for which messages are waited for to be taken before it is said."""
 LEASE = 25.0
@@ -89,6 +91,7 @@ class DataflowNode(ProcessNode):
         """Simulated time of what was emitted last; the first run begins with its day."""
         self._health = Throttle(HEALTH_PERIOD)
         self._refusals = Throttle(REFUSAL_PERIOD)
+        self._stranger_look = Throttle(STRANGER_PERIOD)
         self.diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._rosout = self.create_publisher(Log, '/rosout', LATCHED)
         self.reads = tuple(topic for topic in role.reads if writers_of(topic) & self.expected)
@@ -218,7 +221,8 @@ class DataflowNode(ProcessNode):
             report = health_message(reporter_name(self), self._stamp_ns, self._refused, self._held_up)
             self.diagnostics.publish(report)
             if self._peers.matched:
-                self._name_strangers()
+                if self._stranger_look.due():
+                    self._name_strangers()
                 self._peers.refuse_lost(self._over, heard=self._heard_since)
                 self._heard_since = False
         return self.advance() if self._peers.ready() else LOOK_PERIOD

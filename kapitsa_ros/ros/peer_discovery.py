@@ -87,9 +87,9 @@ class PeerDiscovery:
             Someone has been out of reach for too long.
 
         """
-        lost = self._unwritten(over)
+        lost = set() if heard else self._unwritten(over)
         now = time.monotonic()
-        if heard or not lost:
+        if not lost:
             self._lost_since = None
         elif self._lost_since is None:
             self._lost_since = now
