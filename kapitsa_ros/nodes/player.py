@@ -162,6 +162,8 @@ class PlayerNode(DataflowNode):
                 return False
             self._end_session()
             self._analysed = True
+        if self._under_way:  # who watches takes a player that has left before the last result for one that was ended
+            return False
         if self._loop:
             self._go_to(self._part.start)
         else:
@@ -175,6 +177,7 @@ class PlayerNode(DataflowNode):
         if last and not last.id.end:
             ends.insert(0, StepId(run, last.id.step + 1, end=True))
         for step_id in ends:
+            self._under_way.append(step_id)
             for topic in REPLAYED:
                 self.emit_silence(topic, step_id, stamp if step_id.run == run else (run + 1) * DAY)
         self._progress.tell(ends[-1], (run + 1) * DAY, paused=False)
