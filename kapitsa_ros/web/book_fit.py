@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.errors import KapitsaError, said_of
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 _READINGS = 2
 """That a fit needs at least."""
 _TOO_FEW = Message('two readings at different speeds make a line')
+_AT_WORK = Message('the fit is being worked out')
+_LOG = logging.getLogger(__name__)
 
 
 class BookFit:
@@ -62,10 +65,16 @@ class BookFit:
             values: dict[str, Any] = {}
             why = _TOO_FEW
             if readings >= _READINGS:
+                if not self._values:
+                    self._why = _AT_WORK
+                    self._on_change()
                 try:
                     values = fit_values(await asyncio.to_thread(_reduced, table, self._plant, self._amplitude_sigma))
                 except (KapitsaError, OSError) as error:
                     why = said_of(error)
+                except Exception as error:  # noqa: BLE001  # a defect, of which the page would say nothing
+                    _LOG.exception('the fit of %s failed', table)
+                    why = Message('the fit failed: {why}', why=repr(error))
             self._values, self._why = values, why
             self._on_change()
 

@@ -19,10 +19,12 @@ from kapitsa_ros.instruments.lamp import Lamp
 from kapitsa_ros.instruments.strobe_settings import StrobeSettings
 from kapitsa_ros.message import Message, said_by
 from kapitsa_ros.operator.requests import check_speed
+from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.units import RPM, parse_speed
 from kapitsa_ros.web.access import Access
+from kapitsa_ros.web.book_fit import BookFit
 from kapitsa_ros.web.catalogue import choose_language, languages, translated, words_of
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.motion_frame import encode_motion
@@ -162,6 +164,37 @@ def test_beyond_loopback_a_link_needs_its_token() -> None:
     assert Access.of('127.0.0.1', 80).token is None
 
 
+@pytest.mark.parametrize(
+    ('table', 'why'),
+    [
+        ('forcing_rpm,period_s\n2240,0.6\n2640,0.5\n', None),
+        ('forcing_rpm,period_s\n2240,0.6\n2640,0.7\n', 'the swing does not quicken'),
+        (None, 'the fit failed: AttributeError('),  # a defect: a table that is no path
+    ],
+)
+def test_a_fit_is_told_as_worked_out_and_then_as_it_ended(tmp_path: Path, table: str | None, why: str | None) -> None:
+    path = None if table is None else tmp_path / 'mine.csv'
+    if path is not None:
+        path.write_text(table)
+    told = []
+
+    async def fitted() -> None:
+        ended = asyncio.Event()
+
+        def change() -> None:
+            told.append(fit.values({})['why'])
+            if len(told) == 2:
+                ended.set()
+
+        fit = BookFit(Plant(), 1e-4, change)
+        fit.begin(path, 2)
+        await ended.wait()
+
+    asyncio.run(fitted())
+    assert told[0] == 'the fit is being worked out'
+    assert told[1] is None if why is None else why in told[1]
+
+
 def test_a_refusal_is_said_in_the_language_of_the_page() -> None:
     error = PageRequestError('a count from 1 to {most}', most=9)
     assert str(error) == 'a count from 1 to 9'
@@ -217,7 +250,7 @@ def test_languages_are_chosen_by_link_then_by_browser() -> None:
 DEEPER = (
     '_api/reduce.py', 'address_space.py', 'analysis/errors.py', 'analysis/line_fit.py', 'analysis/table.py',
     'analysis/timing_row.py', 'bench/bench_state.py', 'bench/notebook.py', 'bench/rig_worker.py',
-    'operator/requests.py', 'rig/harness.py', 'rig/node_group.py', 'units.py',
+    'operator/requests.py', 'rig/harness.py', 'rig/node_group.py', 'rig/simulation_control.py', 'units.py',
 )  # fmt: skip
 """Rooms without a page whose sentences reach one."""
 
