@@ -37,6 +37,8 @@ _TOLD_EVERY = 0.04
 """Wall seconds between two reports to the pages."""
 _RECENT = 20
 """Steps that a page is shown when it comes."""
+_HALVES = 20
+"""Steps kept of which one half has come: of one that is older the other half was refused."""
 _SEEN_LATE = 1.0
 """Seconds of wall time by which a page may show the motion late."""
 
@@ -68,7 +70,8 @@ class WebBench:
         self.fit = BookFit(setup.shown, setup.amplitude_sigma, self.changed)
         self.controls: BenchControls | None = None
         self._rig: Rig | None = None
-        self._pivot: tuple[StepId, SampledMotion] | None = None
+        self._halves: dict[StepId, dict[str, SampledMotion]] = {}
+        """What has come of steps of which pivot or pendulum is missing yet: they come in either order."""
         self._loop = asyncio.get_running_loop()
         self._changed = asyncio.Event()
         self._repairing = asyncio.Lock()
@@ -200,10 +203,15 @@ class WebBench:
 
     def _receive(self, news: list[News]) -> None:
         for topic, step_id, value in news:
-            if topic == PIVOT.name:
-                self._pivot = step_id, value
-            elif topic == MOTION.name and self._pivot is not None and self._pivot[0] == step_id:
-                self._show(step_id, value, self._pivot[1])
+            if topic not in {PIVOT.name, MOTION.name}:
+                continue
+            found = self._halves.setdefault(step_id, {})
+            found[topic] = value
+            if len(found) == 2:  # pivot and pendulum
+                del self._halves[step_id]
+                self._show(step_id, found[MOTION.name], found[PIVOT.name])
+        while len(self._halves) > _HALVES:
+            del self._halves[next(iter(self._halves))]
         self.state.check_fall(self.now())
         self._only_moved = not self._has_said_more()
 
