@@ -174,6 +174,7 @@ def _leave(status: int) -> NoReturn:
 
 def preload() -> None:
     """Load what the nodes would each load for themselves: modules, message types, kernels."""
+    gc.disable()  # each collection on the way would go over all that was loaded so far: a tenth of the time together
     # Not above: the imports take a second, in which signals are heard already.
     from kapitsa_ros.network.registry import NODE_NAMES, TOPICS  # noqa: PLC0415
     from kapitsa_ros.network.typestore import load_type  # noqa: PLC0415
@@ -193,6 +194,7 @@ def preload() -> None:
     load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
     load_kernels()
     gc.freeze()  # a collection in a node would copy the pages that all share; one here costs a tenth of a second
+    gc.enable()
 
 
 if __name__ == '__main__':

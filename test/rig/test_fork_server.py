@@ -45,6 +45,14 @@ def test_before_a_fork_there_is_nothing_of_dds(domain: int, shared_memory_of: Ca
         assert not udp_sockets(server.pid)
 
 
+def test_before_a_fork_there_is_nothing_that_the_analysis_alone_needs(domain: int) -> None:
+    with fork_server() as server, NodeGroup(['strobe'], {}, domain) as nodes:
+        assert nodes['strobe'].wait_for_line('joins domain', PATIENCE)
+        loaded = Path(f'/proc/{server.pid}/maps').read_text()
+        assert 'numba' in loaded
+        assert not [name for name in ('scipy/special', 'scipy/optimize', 'pandas', 'matplotlib') if name in loaded]
+
+
 def udp_sockets(pid: int) -> set[str]:
     links = {str(link.readlink()) for link in Path(f'/proc/{pid}/fd').iterdir()}
     return links & {f'socket:[{line.split()[9]}]' for line in Path('/proc/net/udp').read_text().splitlines()[1:]}

@@ -6,7 +6,7 @@ import cmath
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import i0e
+import scipy
 
 from kapitsa_ros.physics.kernels.mathieu import half_period
 from kapitsa_ros.physics.theory.mathieu import mathieu_a, mathieu_q
@@ -57,7 +57,7 @@ def mean_turn_of_few(amplitude: NDArray[np.complex128], expected: float) -> floa
     turns = _turns(amplitude, expected)
     place = np.linspace(-1.0, 1.0, turns.size)
     argument = _KAISER * np.sqrt(1.0 - place**2)
-    weight = i0e(argument) * np.exp(argument - _KAISER)
+    weight = scipy.special.i0e(argument) * np.exp(argument - _KAISER)
     return float(weight @ turns / weight.sum())
 
 

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from scipy.special import ellipk
+import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.release import Release
@@ -42,7 +42,7 @@ def dithered_factor(ratio: float) -> float:
     (2/π) asin of the friction through. By parts, and with sin u = r tan ψ, it is 8/π times the complete elliptic
     integral of the first kind of parameter −1/r². Without dither (r → ∞) K = 4.
     """
-    return 8.0 / math.pi * float(ellipk(-1.0 / ratio**2))
+    return 8.0 / math.pi * float(scipy.special.ellipk(-1.0 / ratio**2))
 
 
 def amplitude_loss(plant: Plant, speed: float) -> float:
