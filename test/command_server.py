@@ -59,13 +59,15 @@ class CommandServer:
 def _load() -> None:
     from kapitsa_ros.cli import commands
     from kapitsa_ros.cli.main import main  # noqa: F401  # sets what numpy is to find
-    from kapitsa_ros.rig.fork_server import preload
+    from kapitsa_ros.network.registry import KERNEL_NAMES
+    from kapitsa_ros.rig.fork_server import preload, preload_kernels
 
     for module in iter_modules(commands.__path__):
         import_module(f'{commands.__name__}.{module.name}')
     for name in _EXPENSIVE:
         import_module(name)
     preload()
+    preload_kernels(KERNEL_NAMES)
 
 
 def _serve(asking: socket.socket) -> None:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.analysis.errors import AnalysisError
-from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord
     from kapitsa_ros.network.run import Run
     from kapitsa_ros.network.timing import Timing
 
@@ -130,6 +130,9 @@ class RecordedRun:
         wide = np.flatnonzero(np.abs(chosen.angle) > _DEAD * np.abs(chosen.angle).max())
         end = int(wide[-1]) + 1
         period = float(np.median(np.diff(chosen.time)))
+        # Not above: this loads kernels, which who plays or records a run has no use for.
+        from kapitsa_ros.analysis.slow_frequency.estimate import SwingRecord  # noqa: PLC0415
+
         return SwingRecord(angle=chosen.angle[:end], period=period, forcing=self.forcing_of(chosen))
 
     def timing_of(self, swing: FreeSwing) -> Timing | None:

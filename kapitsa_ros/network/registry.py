@@ -36,7 +36,9 @@ REQUESTS = ('operator/speed', 'operator/release')
 """Topics, not numbered, on which a person asks something of the operator: std_msgs/Float64."""
 
 JIGSAW = Role(name='jigsaw', reads=(COMMAND, RESULT, WRITTEN), writes=(PIVOT,), describes_run=True)
-PENDULUM = Role(name='pendulum', reads=(PIVOT, COMMAND), writes=(MOTION,), follows=(COMMAND,), describes_run=True)
+PENDULUM = Role(
+    name='pendulum', reads=(PIVOT, COMMAND), writes=(MOTION,), follows=(COMMAND,), describes_run=True, kernels=True
+)
 STROBE = Role(name='strobe', reads=(PIVOT,), writes=(STROBE_READING,), describes_run=True)
 STOPWATCH = Role(name='stopwatch', reads=(MOTION,), writes=(STOPWATCH_READING,), describes_run=True)
 OPERATOR = Role(name='operator', reads=(STROBE_READING, STOPWATCH_READING), writes=(COMMAND,))
@@ -58,6 +60,8 @@ ROLE_NAMES = tuple(role.name for role in RIG_ROLES)
 REQUIRED_NAMES = tuple(role.name for role in RIG_ROLES if not role.optional)
 """Those a node waits for by default."""
 NODE_NAMES = tuple(role.name for role in NODES)
+KERNEL_NAMES = tuple(role.name for role in NODES if role.kernels)
+"""Those that are started last: the others start while kernels are loaded."""
 KNOWN_NAMES = frozenset(role.name for role in _ALL)
 
 

@@ -21,5 +21,7 @@ class Role:
     """Those of `reads` whose writer may run ahead of the end of a run; see `StepSynchronizer`."""
     describes_run: bool = False
     """Whether its settings belong to a run: they are latched, recorded, and needed to analyse it."""
+    kernels: bool = False
+    """Whether its node runs compiled kernels: its module has `load_kernels`, which takes as long as all else."""
     optional: bool = False
     """Whether runs go without it: only nodes whose `expect` names it wait for it, and bags without it are read."""

@@ -1,8 +1,9 @@
 """`python -m kapitsa_ros.rig.fork_server SOCKET`: loads once what all nodes need, and forks a process for each.
 
 Before a fork there is nothing of DDS, and no other thread but LTTng's, which wait for a tracer. A request is a datagram
-with file descriptors: of a file with the request in JSON, of the node's parameters, of the pipe that becomes the node's
-stderr, and of a socket on which its process id, with a descriptor of the process, and at last its exit status are told.
+of the names of nodes, with file descriptors: of a file with the request in JSON, of the nodes' parameters, of the pipe
+that becomes their stderr, and of a socket on which the process id, with a descriptor of the process, and at last its
+exit status are told.
 """
 
 from __future__ import annotations
@@ -26,12 +27,12 @@ from kapitsa_ros.ros.arguments import NO_LOG_FILES, PARENT_OPTION
 from kapitsa_ros.ros.signals import SIGNALS, leave_on_signals
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterable, Iterator
 
 DESCRIPTORS = 4
 """That come with a request."""
-START = b'start'
-"""The datagram of a request."""
+LONGEST = 1000
+"""Bytes of a request: names of nodes."""
 MODULE = 'kapitsa_ros.rig.fork_server'
 """Name under which this module is run, and under which `ps` shows it."""
 
@@ -78,13 +79,14 @@ def serve(requests: socket.socket) -> None:
     while True:
         for descriptor, _ in poll.poll():
             if descriptor == requests.fileno():
-                message, descriptors, _, _ = socket.recv_fds(requests, len(START), DESCRIPTORS)
+                message, descriptors, _, _ = socket.recv_fds(requests, LONGEST, DESCRIPTORS)
                 if not message:
                     return
                 if len(descriptors) < DESCRIPTORS:  # the system has no more for this process
                     _close(descriptors)
                     continue
                 *files, report = descriptors
+                preload_kernels(message.decode().split())
                 try:
                     pid, pidfd = _fork(files, requests)
                 except OSError:  # the system has no process or descriptor left; who has asked sees the end closed
@@ -173,28 +175,55 @@ def _leave(status: int) -> NoReturn:
 
 
 def preload() -> None:
-    """Load what the nodes would each load for themselves: modules, message types, kernels."""
-    gc.disable()  # each collection on the way would go over all that was loaded so far: a tenth of the time together
+    """Load what the nodes would each load for themselves, but for kernels: modules and message types."""
     # Not above: the imports take a second, in which signals are heard already.
-    from kapitsa_ros.network.registry import NODE_NAMES, TOPICS  # noqa: PLC0415
+    from kapitsa_ros.network.registry import KERNEL_NAMES, NODE_NAMES, TOPICS  # noqa: PLC0415
     from kapitsa_ros.network.typestore import load_type  # noqa: PLC0415
-    from kapitsa_ros.nodes.pendulum import load_kernels  # noqa: PLC0415
     from kapitsa_ros.ros.type_support import (  # noqa: PLC0415
         OF_EVERY_NODE,
         OF_THOSE_THAT_KEEP_TIME,
         load_type_supports,
     )
 
-    for name in NODE_NAMES:
-        import_module(f'kapitsa_ros.nodes.{name}')
-    import_module('kapitsa_ros.ros.main')
-    types = {topic.type for topic in TOPICS}
-    for message_type in types:
-        load_type(message_type)
-    load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
-    load_kernels()
-    gc.freeze()  # a collection in a node would copy the pages that all share; one here costs a tenth of a second
-    gc.enable()
+    with _frozen():
+        for name in NODE_NAMES:
+            if name not in KERNEL_NAMES:
+                import_module(f'kapitsa_ros.nodes.{name}')
+        import_module('kapitsa_ros.ros.main')
+        types = {topic.type for topic in TOPICS}
+        for message_type in types:
+            load_type(message_type)
+        load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
+
+
+def preload_kernels(names: Iterable[str]) -> None:
+    """Load the kernels of those nodes that run any."""
+    from kapitsa_ros.network.registry import KERNEL_NAMES  # noqa: PLC0415  # as in `preload`
+
+    for name in set(KERNEL_NAMES).intersection(names) - _with_kernels:
+        # What goes wrong here goes wrong in the node, too, which can tell of it.
+        with _frozen(), suppress(Exception):
+            import_module(f'kapitsa_ros.nodes.{name}').load_kernels()
+        _with_kernels.add(name)
+
+
+_with_kernels: set[str] = set()
+"""Nodes whose kernels are loaded."""
+
+
+@contextmanager
+def _frozen() -> Iterator[None]:
+    """Keep what is loaded in the context from being collected.
+
+    In a node a collection would copy the pages that all share; on the way each would go over all that was loaded so
+    far, a tenth of the time together.
+    """
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 if __name__ == '__main__':

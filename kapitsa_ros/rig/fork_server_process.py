@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Protocol
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.file_in_memory import file_in_memory
-from kapitsa_ros.rig.fork_server import MODULE, START, forking, preload, serve_forked
+from kapitsa_ros.rig.fork_server import MODULE, forking, preload, serve_forked
 from kapitsa_ros.rig.forked_process import ForkedProcess
 
 if TYPE_CHECKING:
@@ -112,7 +112,8 @@ class ForkServerProcess:
             request = {'nodes': list(nodes), 'environment': node_environment(domain)}
             try:
                 with theirs, file_in_memory(json.dumps(request)) as file:
-                    socket.send_fds(self._requests, [START], [file.fileno(), parameters, stderr, theirs.fileno()])
+                    files = [file.fileno(), parameters, stderr, theirs.fileno()]
+                    socket.send_fds(self._requests, [' '.join(nodes).encode()], files)
                 started = ForkedProcess(ours)
             except (BrokenPipeError, ConnectionResetError, EOFError):
                 how = 'has ended' if self.has_ended() else 'has no process or file descriptor left'

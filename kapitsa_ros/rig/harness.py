@@ -23,6 +23,7 @@ from kapitsa_ros.quantities import to_si
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
@@ -119,6 +120,7 @@ class Rig:
             raise UsageError('this rig is entered already: make another, several run at the same time')
         refuse_small_address_space(OF_A_RIG)
         with ExitStack() as stack:
+            stack.enter_context(fork_server())  # what nodes are forked from loads while the rest is made
             folder = self._given_bags or stack.enter_context(TemporaryDirectory(prefix='kapitsa-'))
             self.bags = Path(folder)
             setup = Setup(

@@ -8,6 +8,7 @@ import time
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any, Self
 
+from kapitsa_ros.network.registry import KERNEL_NAMES
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.node_process import NodeProcess
@@ -49,7 +50,8 @@ class NodeGroup:
         self._server = ExitStack()
         try:
             server = self._server.enter_context(fork_server())
-            for together in [roles] if composed and roles else [[role] for role in roles]:
+            in_order = sorted(roles, key=lambda role: role in KERNEL_NAMES)
+            for together in [roles] if composed and roles else [[role] for role in in_order]:
                 self._processes.append(NodeProcess(server, together, parameters, domain))
         except BaseException:
             self.stop(HASTE)

@@ -45,12 +45,15 @@ def test_before_a_fork_there_is_nothing_of_dds(domain: int, shared_memory_of: Ca
         assert not udp_sockets(server.pid)
 
 
-def test_before_a_fork_there_is_nothing_that_the_analysis_alone_needs(domain: int) -> None:
-    with fork_server() as server, NodeGroup(['strobe'], {}, domain) as nodes:
-        assert nodes['strobe'].wait_for_line('joins domain', PATIENCE)
-        loaded = Path(f'/proc/{server.pid}/maps').read_text()
-        assert 'numba' in loaded
-        assert not [name for name in ('scipy/special', 'scipy/optimize', 'pandas', 'matplotlib') if name in loaded]
+def test_before_a_fork_only_that_is_loaded_which_the_node_needs(own_server: ForkServerProcess, domain: int) -> None:
+    def loaded_for(role: str) -> set[str]:
+        with NodeGroup([role], {}, domain) as nodes:
+            assert nodes[role].wait_for_line('joins domain', PATIENCE)
+        maps = Path(f'/proc/{own_server.pid}/maps').read_text()
+        return {name for name in ('numba', 'scipy/special', 'scipy/optimize', 'pandas', 'matplotlib') if name in maps}
+
+    assert loaded_for('strobe') == set()
+    assert loaded_for('pendulum') == {'numba'}
 
 
 def udp_sockets(pid: int) -> set[str]:
