@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed import fit_timings, ruler_of
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.share_range import share_range
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros._api.inputs import AnyAssumptions, AnyInstruments, AnyPlant, AnyProtocol
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
     from kapitsa_ros.laboratory.campaign_points import CampaignPoint
 

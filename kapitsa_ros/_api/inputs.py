@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings, refuse_mixed_units
 from kapitsa_ros.configuration.instrument_sets import load_instruments

@@ -15,10 +15,10 @@ from kapitsa_ros.analysis.critical_speed import (
     fit_timings,
     uncertainty_budget,
 )
-from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.errors import NothingTimedError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.line_fit import slope_ratio as ratio_to_theory
+from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.message import Message
 from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from kapitsa_ros._api.inputs import AnyAssumptions, AnyPlant, AnyReadings
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.analysis.critical_speed import Budget, Evidence
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.table import Readings
     from kapitsa_ros.quantities import AnyQuantity

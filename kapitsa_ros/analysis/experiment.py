@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.critical_speed import (
     direct_fit,
     evidence_from_motion,
@@ -12,7 +13,6 @@ from kapitsa_ros.analysis.critical_speed import (
     ruler_of,
     uncertainty_budget,
 )
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import NothingTimedError, TableError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -25,8 +25,8 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.analysis.critical_speed import Budget, CriticalSpeed, Evidence, Ruler
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.line_fit import LineFit
     from kapitsa_ros.analysis.recorded_run import RecordedRun
     from kapitsa_ros.analysis.table import Readings

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.configuration import instrument_sets, presets
 from kapitsa_ros.configuration.assignments import parse_assignments
 from kapitsa_ros.configuration.files import shipped_names

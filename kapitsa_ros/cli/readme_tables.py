@@ -6,7 +6,7 @@ import re
 import sys
 from pathlib import Path
 
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.files import read_mapping
 from kapitsa_ros.configuration.instrument_sets import load_instruments

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, NoReturn, cast, get_args
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.evidence import evidence_of
 from kapitsa_ros.analysis.errors import TableError
+from kapitsa_ros.analysis.evidence import evidence_of
 from kapitsa_ros.analysis.table import PERIOD_SIGMA, Readings, refuse_mixed_units
 from kapitsa_ros.analysis.timing_row import TimingRow
 from kapitsa_ros.configuration.files import find_file

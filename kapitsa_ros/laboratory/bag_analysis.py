@@ -6,7 +6,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import budget_of, reduce_motions, reduce_runs
 from kapitsa_ros.analysis.results import budget_values, experiment_values, motion_values, run_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.network.run import Run
 
 

@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager, nullcontext, suppress
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import run_values
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.recording.reader import RunBag
     from kapitsa_ros.rig.setup import Replay, Setup
     from kapitsa_ros.ros.time_control_client import TimeControlClient

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
+from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.bench.bench_controls import FASTEST_PACE
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kapitsa_ros._api.reduce import Reduction, reduce
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
-from kapitsa_ros.analysis.critical_speed.ruler import ruler_of
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import plant_of
 from kapitsa_ros.analysis.results import run_values
+from kapitsa_ros.analysis.ruler import ruler_of
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.bench.lamp_dial import LampDial
 from kapitsa_ros.configuration.tables import TimingTable

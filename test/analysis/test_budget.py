@@ -5,8 +5,8 @@ import math
 import pytest
 from GTC import ureal
 
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed import Ruler, evidence_of, uncertainty_budget
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.timing_row import TimingRow

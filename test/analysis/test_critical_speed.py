@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed import Bound, Evidence, Ruler, direct_fit, errors_in_variables
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.strobe_alias import find_alias
 from kapitsa_ros.analysis.table import Readings

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import kapitsa_ros as kr
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed import Ruler, fit_timings
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
 from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import experiment_values
 from kapitsa_ros.analysis.timing_row import TimingRow, timing_rows

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan import best_separation, cheapest_plan
 from kapitsa_ros.analysis.plan.sensitivity import sensitivity

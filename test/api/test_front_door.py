@@ -45,6 +45,11 @@ def test_ros_waits_for_a_graph() -> None:
     assert not {name for name in loaded_by(code) if name.split('.')[0] == 'rclpy'}
 
 
+@pytest.mark.parametrize('module', ['rig.harness', 'web.session', 'nodes.operator', 'nodes.player'])
+def test_a_rig_and_a_bench_wait_for_no_fit(module: str) -> None:
+    assert not loaded_by(f'import kapitsa_ros.{module}') & {'numba', 'scipy.special', 'scipy.optimize', 'pandas'}
+
+
 def test_what_is_public_is_found_and_no_module_takes_its_name() -> None:
     for name in kr.__all__:
         assert name in dir(kr)

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed import evidence_of
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
-from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.analysis.experiment import reduce_runs
+from kapitsa_ros.analysis.ruler import Ruler
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 import kapitsa_ros as kr
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.nodes.__main__ import run_node

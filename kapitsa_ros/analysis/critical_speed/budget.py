@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from scipy.special import stdtrit
 
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.critical_speed.measurement_function import Inputs, MeasurementFunction
 from kapitsa_ros.analysis.errors import AnalysisError
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Evidence
     from kapitsa_ros.analysis.critical_speed.posterior import Posterior
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.evidence import Evidence
+    from kapitsa_ros.analysis.ruler import Ruler
 
     Array = NDArray[np.float64]
 

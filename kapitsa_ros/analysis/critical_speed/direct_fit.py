@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.errors_in_variables import RISE_95
 from kapitsa_ros.analysis.critical_speed.excess_scatter import excess_scatter, improbable, rise_95
 from kapitsa_ros.analysis.critical_speed.levenberg_marquardt import Minimum, minimise
@@ -21,8 +21,8 @@ from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Evidence
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.evidence import Evidence
+    from kapitsa_ros.analysis.ruler import Ruler
 
 _MOST_PASSES = 10  # of the swing's width, whose effect hangs weakly on the fit
 _SETTLED = 1e-3  # standard uncertainties that the last pass may move the threshold

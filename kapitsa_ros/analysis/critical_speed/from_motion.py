@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.evidence import Bound, Evidence
 from kapitsa_ros.analysis.errors import AnalysisError
+from kapitsa_ros.analysis.evidence import Bound, Evidence
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR, ESTIMATORS, softening
 from kapitsa_ros.analysis.table import Readings
 from kapitsa_ros.physics.errors import PhysicsError

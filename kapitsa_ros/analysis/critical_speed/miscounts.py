@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.special import logsumexp
 
-from kapitsa_ros.analysis.critical_speed.evidence import by_reading, evidence_of
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR, Likelihood
 from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, rods_of_prior
+from kapitsa_ros.analysis.evidence import by_reading, evidence_of
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.assumptions import Assumptions
+    from kapitsa_ros.analysis.ruler import Ruler
     from kapitsa_ros.analysis.timing_row import TimingRow
 
     Array = NDArray[np.float64]

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.analysis.critical_speed.likelihood import Likelihood
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.ruler import Ruler
 
     Array = NDArray[np.float64]
 

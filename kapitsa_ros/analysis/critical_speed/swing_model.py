@@ -13,7 +13,7 @@ from kapitsa_ros.physics.theory.friction import dithered_factor
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.evidence import Evidence
+    from kapitsa_ros.analysis.evidence import Evidence
 
     Array = NDArray[np.float64]
 

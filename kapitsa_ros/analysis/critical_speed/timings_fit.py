@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
 from kapitsa_ros.analysis.critical_speed.direct_fit import CriticalSpeed, CurveFit
-from kapitsa_ros.analysis.critical_speed.evidence import Evidence, evidence_of
 from kapitsa_ros.analysis.critical_speed.miscounts import may_be_miscounted, probable_counts
 from kapitsa_ros.analysis.critical_speed.posterior import Posterior, mixture
 from kapitsa_ros.analysis.errors import NothingTimedError
+from kapitsa_ros.analysis.evidence import Evidence, evidence_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kapitsa_ros.analysis.critical_speed.miscounts import Counts
-    from kapitsa_ros.analysis.critical_speed.ruler import Ruler
+    from kapitsa_ros.analysis.ruler import Ruler
     from kapitsa_ros.analysis.timing_row import TimingRow
 
 

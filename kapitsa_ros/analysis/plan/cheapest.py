@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR
 from kapitsa_ros.analysis.critical_speed.posterior import rods_of_prior
-from kapitsa_ros.analysis.critical_speed.ruler import Ruler
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.plan.promise import Promise, press_variance
 from kapitsa_ros.analysis.plan.sensitivity import Sensitivity, sensitivity
+from kapitsa_ros.analysis.ruler import Ruler
 from kapitsa_ros.analysis.strobe_alias import dial_sigma
 from kapitsa_ros.operator.scripted_operator import CATCH
 from kapitsa_ros.physics.errors import PhysicsError
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 

@@ -15,8 +15,8 @@ from kapitsa_ros.instruments.perfect_timing import timed_period
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.analysis.critical_speed import Evidence
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.instruments.stopwatch_settings import StopwatchSettings
     from kapitsa_ros.physics.plant import Plant

@@ -30,7 +30,7 @@ from kapitsa_ros.schema import describe
 from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
 
 
 @click.command()

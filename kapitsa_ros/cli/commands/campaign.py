@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from kapitsa_ros._api.campaign import CampaignResult
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
     from kapitsa_ros.physics.plant import Plant

@@ -23,7 +23,7 @@ from kapitsa_ros.recording.writer import COMPRESSIONS, STORAGES
 from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
 

@@ -25,7 +25,7 @@ from kapitsa_ros.reporting.plan_text import plan_sentences, plan_table, separati
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.cli.written import Written
     from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.instruments.settings import Instruments

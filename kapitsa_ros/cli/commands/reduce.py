@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from kapitsa_ros._api.reduce import reduce as call
-from kapitsa_ros.analysis.critical_speed.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.results import budget_values
+from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.analysis.timing_row import untold_releases
 from kapitsa_ros.cli.options import LENGTH, assumption_option, budget_option, json_option, plant_options, print_json
 from kapitsa_ros.cli.progress import shown_stages
@@ -22,7 +22,7 @@ from kapitsa_ros.reporting.reduction_text import reduction_sentences, reduction_
 from kapitsa_ros.units import RPM, in_rpm
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.configuration.tables import TimingTable
     from kapitsa_ros.physics.plant import Plant
 

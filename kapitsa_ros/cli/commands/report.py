@@ -11,7 +11,7 @@ from kapitsa_ros.cli.options import assumption_option, json_option, overwrite_op
 from kapitsa_ros.cli.warnings_of_bags import warn
 
 if TYPE_CHECKING:
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
+    from kapitsa_ros.analysis.assumptions import Assumptions
 
 
 @click.command()

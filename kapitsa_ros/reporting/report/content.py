@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.critical_speed import (
     errors_in_variables,
     fit_timings,
     ruler_of,
     uncertainty_budget,
 )
-from kapitsa_ros.analysis.critical_speed.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.analysis.experiment import ideal_rod, plant_of, true_threshold
 from kapitsa_ros.analysis.explain import explain
@@ -30,8 +30,8 @@ from kapitsa_ros.physics.theory.play import omega_crit_with_play
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.analysis.critical_speed import Budget, CriticalSpeed, Evidence, Ruler
-    from kapitsa_ros.analysis.critical_speed.assumptions import Assumptions
     from kapitsa_ros.analysis.explain import Ranking
     from kapitsa_ros.analysis.plan import Plan, Separation
     from kapitsa_ros.analysis.recorded_run import RecordedRun
