@@ -16,7 +16,7 @@ from kapitsa_ros.rig.environment import node_environment
 
 FORMS = ['mcap-none', 'mcap-message', 'mcap-file', 'sqlite3-none', 'sqlite3-message']
 SCRIPT = """
-import importlib, sys, time
+import importlib, signal, sys, threading, time
 import rclpy
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
@@ -33,6 +33,8 @@ for form in forms:
     writer.open()
     writers.append(writer)
 rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+stopping = threading.Event()
+signal.signal(signal.SIGINT, lambda *_: stopping.set())  # an exception would take a message with it
 node = rclpy.create_node('rosbag2_recorder')
 heard, written = set(), 0
 
@@ -61,19 +63,17 @@ def subscribe(topic, kind):
     node.create_subscription(getattr(importlib.import_module(f'{package}.msg'), name), topic, write, qos, raw=True)
 
 known = set()
-try:
-    while True:
-        for topic, [kind] in node.get_topic_names_and_types():
-            if topic not in known and node.get_publishers_info_by_topic(topic):
-                known.add(topic)
-                subscribe(topic, kind)
-        for _ in range(100):
-            rclpy.spin_once(node, timeout_sec=0.01)
-except KeyboardInterrupt:
-    before = -1
-    while written > before:  # what has come and was not yet taken
-        before = written
-        rclpy.spin_once(node, timeout_sec=0.5)
+while not stopping.is_set():
+    for topic, [kind] in node.get_topic_names_and_types():
+        if topic not in known and node.get_publishers_info_by_topic(topic):
+            known.add(topic)
+            subscribe(topic, kind)
+    for _ in range(100):
+        rclpy.spin_once(node, timeout_sec=0.01)
+before = -1
+while written > before:  # what has come and was not yet taken
+    before = written
+    rclpy.spin_once(node, timeout_sec=0.5)
 for writer in writers:
     writer.close()
 """
