@@ -1,6 +1,7 @@
 """A client of Foxglove's protocol, by its specification: JSON one way and the other, and binary frames of messages."""
 
 import json
+import re
 import struct
 import time
 from collections import defaultdict
@@ -62,8 +63,10 @@ class FoxgloveClient:
 
     def subscribe(self, *topics: str) -> None:
         self.until(lambda: self.channels.keys() >= set(topics))
-        wanted = [{'id': self.channels[topic]['id'], 'channelId': self.channels[topic]['id']} for topic in topics]
-        self.send(op='subscribe', subscriptions=wanted)
+        self._subscribe(*(self.channels[topic]['id'] for topic in topics))
+
+    def _subscribe(self, *channels: int) -> None:
+        self.send(op='subscribe', subscriptions=[{'id': number, 'channelId': number} for number in channels])
 
     def decoded(self, topic: str) -> list[tuple[int, Any]]:
         """Return the messages of a topic as the schema that the server gives says they are."""
@@ -133,6 +136,8 @@ class FoxgloveClient:
                 self.services |= {service['name']: service for service in said['services']}
             case 'parameterValues':
                 self.parameters |= {item['name']: item.get('value') for item in said['parameters']}
+            case 'status' if unknown := re.search(r'unknown channel\D*(\d+)', said['message'], re.IGNORECASE):
+                self._subscribe(int(unknown[1]))  # the SDK tells of a channel a moment before it takes subscriptions
             case 'status':
                 self.warnings.append(said['message'])
             case 'serviceCallFailure':
