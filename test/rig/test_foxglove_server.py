@@ -5,6 +5,7 @@ import re
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,7 +29,7 @@ from kapitsa_ros.ros.arguments import FOXGLOVE_SERVER
 
 pytest.importorskip('foxglove', reason='needs foxglove-sdk: pip install "kapitsa_ros[foxglove]"')
 pytest.importorskip('websockets')
-from foxglove_client import PAUSE, PLAY, FoxgloveClient
+from foxglove_client import PATIENCE, PAUSE, PLAY, FoxgloveClient
 
 from kapitsa_ros.live_view.frame_transforms import encode_transforms, joints_of
 from kapitsa_ros.live_view.replay_timeline import ReplayTimeline
@@ -130,7 +131,9 @@ def test_a_client_plays_a_replay_and_sees_what_is_recorded() -> None:
         assert (start, end) == timeline.range_ns
         assert end - start == round(Playback(runs_of(bags)).duration * SECOND)
         assert client.playback[-1]['status'] == 'paused'
+        deadline = time.monotonic() + PATIENCE
         while not client.messages['/pendulum/motion']:  # a run is shown once: not before the server has subscribed
+            assert time.monotonic() < deadline
             assert client.call('/player/step')[0]
             client.settle(0.5)
         assert client.control(PLAY, 3.0)['status'] == 'playing'
