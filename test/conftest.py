@@ -149,7 +149,7 @@ def eventually() -> Callable[[Callable[[], Any]], None]:
     """Wait for something that discovery, in its own time, makes true, and tells nobody."""
 
     def wait(true: Callable[[], Any]) -> None:
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 180.0
         while not true():
             assert time.monotonic() < deadline
             time.sleep(0.01)
