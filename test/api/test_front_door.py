@@ -50,6 +50,20 @@ def test_a_rig_and_a_bench_wait_for_no_fit(module: str) -> None:
     assert not loaded_by(f'import kapitsa_ros.{module}') & {'numba', 'scipy.special', 'scipy.optimize', 'pandas'}
 
 
+def test_kernels_load_no_linear_algebra_and_leave_that_of_numba_as_it_is() -> None:
+    code = """
+import kapitsa_ros as kr
+kr.simulate(speed=250.0, release=0.1, duration=0.1)
+import sys
+assert 'scipy.linalg' not in sys.modules
+import numba
+import numpy as np
+a = np.array([[2.0, 1.0], [1.0, 3.0]])
+assert np.allclose(numba.njit(lambda a: np.dot(a, np.linalg.inv(a)))(a), np.eye(2))
+"""
+    assert 'scipy.linalg.cython_blas' in loaded_by(code)
+
+
 def test_what_is_public_is_found_and_no_module_takes_its_name() -> None:
     for name in kr.__all__:
         assert name in dir(kr)

@@ -16,6 +16,27 @@ _P = ParamSpec('_P')
 _R = TypeVar('_R')
 
 
+def _load_without_linear_algebra() -> None:
+    """Load what all kernels need of Numba, which would load SciPy's linear algebra to see that there is a BLAS.
+
+    It is there, as SciPy is required; to load it takes as long as the kernels themselves, which use none.
+    """
+    from numba.np import linalg  # noqa: PLC0415
+
+    ensure_blas = getattr(linalg, 'ensure_blas', None)
+    if ensure_blas is None:  # another version, which asks in another way
+        return
+    linalg.ensure_blas = lambda: None
+    try:
+        from numba.np import arraymath  # noqa: PLC0415
+    finally:
+        linalg.ensure_blas = ensure_blas
+    arraymath.ensure_blas = ensure_blas
+
+
+_load_without_linear_algebra()
+
+
 def _stamp() -> tuple[tuple[str, int, int], ...]:
     """Return what tells one state of all kernels' sources from another."""
     files = sorted(Path(__file__).parent.glob('*.py'))
