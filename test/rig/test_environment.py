@@ -1,9 +1,12 @@
 """What the participants of this process and of the nodes are told about the network."""
 
 import os
+import re
 import sys
+from pathlib import Path
 from threading import Barrier, Event, Thread
 
+from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 
 RANGE, PROFILE = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'FASTRTPS_DEFAULT_PROFILES_FILE'
@@ -76,3 +79,14 @@ def test_what_somebody_sets_within_a_context_stays(monkeypatch) -> None:
         monkeypatch.setenv(RANGE, 'SUBNET')
     assert os.environ[RANGE] == 'SUBNET'
     assert PROFILE not in os.environ
+
+
+def test_slow_heartbeats_are_all_that_tells_the_two_profiles_apart() -> None:
+    def said(profile: str) -> str:
+        text = Path(str(resource_path('config', profile))).read_text(encoding='utf-8')
+        return re.sub(r'<!--.*?-->|\s+', '', text, flags=re.DOTALL)
+
+    usual = said('loopback.xml')
+    slow = usual.replace('<nanosec>50000000</nanosec></heartbeatPeriod>', '<sec>1</sec></heartbeatPeriod>')
+    assert slow != usual
+    assert said('loopback_slow_heartbeats.xml') == slow.replace('brisk_writer', 'calm_writer')

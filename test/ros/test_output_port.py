@@ -10,7 +10,7 @@ from kapitsa_ros.resources import resource_path
 from kapitsa_ros.ros.output_port import OUTPUT_PORT, hold_output_port
 
 
-@pytest.mark.parametrize('profile', ['loopback.xml', 'static_peers.xml'])
+@pytest.mark.parametrize('profile', ['loopback.xml', 'loopback_slow_heartbeats.xml', 'static_peers.xml'])
 def test_the_profiles_have_the_port_that_is_held(profile: str) -> None:
     text = Path(str(resource_path('config', profile))).read_text(encoding='utf-8')
     assert re.findall(r'<output_port>(\d+)</output_port>', text) == [str(OUTPUT_PORT)]
