@@ -15,10 +15,11 @@ import threading
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Protocol
 
+from kapitsa_ros.network.registry import KERNEL_NAMES
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.file_in_memory import file_in_memory
-from kapitsa_ros.rig.fork_server import MODULE, forking, preload, serve_forked
+from kapitsa_ros.rig.fork_server import MODULE, forking, preload, preload_kernels, serve_forked
 from kapitsa_ros.rig.forked_process import ForkedProcess
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class _Forked:
 
     def __init__(self, requests: socket.socket) -> None:
         preload()
+        preload_kernels(KERNEL_NAMES)  # the program and its analyser run some, too
         # A daemon: it may not outlive the program, whatever ends that.
         fork = multiprocessing.get_context('fork').Process(target=serve_forked, args=(requests,), daemon=True)
         with forking():
