@@ -13,7 +13,6 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.ros.clock_publisher import to_time
 from kapitsa_ros.ros.frame_schedule import FrameSchedule
 from kapitsa_ros.ros.qos import VIEW
-from kapitsa_ros.ros.throttle import Throttle
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.physics.sampled_motion import SampledMotion
 
-LOOK_PERIOD = 0.5
-"""Seconds of wall time between two looks at who reads."""
 JOINTS = ['pivot', 'pendulum']
 """As the URDF names them."""
 
@@ -32,11 +29,8 @@ class JointStatePublisher:
     """Publishes the motion for viewers, and neither waits for them nor lets them wait."""
 
     def __init__(self, node: Node) -> None:
-        self._node = node
         self._publisher = node.create_publisher(JointState, 'joint_states', VIEW)
         self._schedule = FrameSchedule()
-        self._look = Throttle(LOOK_PERIOD)
-        self._is_read = False
         self._newest: tuple[int, Callable[[], tuple[SampledMotion, SampledMotion]]] | None = None
         """A step that came too soon after the one before: should time stand still now, viewers have to see it."""
 
@@ -69,11 +63,7 @@ class JointStatePublisher:
         if self._newest is not None and self._schedule.wants(now):
             stamp_ns, blocks = self._newest
             self._newest = None
-            # Fifty frames a second are most of a rig's wake-ups. The graph is asked, as it is of
-            # peers: the publisher's own count is suspected of having missed a reader once, in some forty starts.
-            if self._look.due():
-                self._is_read = self._node.count_subscribers(self._publisher.topic_name) > 0
-            if not self._is_read:
+            if not self._publisher.get_subscription_count():  # fifty frames a second would be half of the wake-ups
                 self._schedule.skip(now)
                 return
             with suppress(WireError):  # of a bag, which may still be analysed

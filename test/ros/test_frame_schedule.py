@@ -111,10 +111,8 @@ def test_the_last_step_before_time_stands_still_is_shown_however_soon_it_comes(m
     clock = itertools.count(100.0, 1e-4)  # s, no step takes longer
     monkeypatch.setattr(joint_state_publisher, 'time', SimpleNamespace(monotonic=lambda: next(clock)))
     states: list[Any] = []
-    viewed = SimpleNamespace(publish=states.append, topic_name='/joint_states')
-    publisher = JointStatePublisher(
-        SimpleNamespace(create_publisher=lambda *_: viewed, count_subscribers=lambda name: int(name == '/joint_states'))
-    )
+    viewed = SimpleNamespace(publish=states.append, get_subscription_count=lambda: 1)
+    publisher = JointStatePublisher(SimpleNamespace(create_publisher=lambda *_: viewed))
     motion = SampledMotion(1e-3, *np.zeros((3, 101)))
     ends = [DAY + number * STEP_NS for number in (1, 2, 3)]
     for number in range(3):

@@ -19,12 +19,9 @@ def viewers() -> SimpleNamespace:
 @pytest.fixture
 def publisher(viewers: SimpleNamespace) -> JointStatePublisher:
     def create_publisher(*_: Any) -> SimpleNamespace:
-        return SimpleNamespace(publish=viewers.shown.append, topic_name='/lab/joint_states')
+        return SimpleNamespace(publish=viewers.shown.append, get_subscription_count=lambda: viewers.count)
 
-    def count_subscribers(name: str) -> int:
-        return viewers.count if name == '/lab/joint_states' else 0
-
-    return JointStatePublisher(SimpleNamespace(create_publisher=create_publisher, count_subscribers=count_subscribers))
+    return JointStatePublisher(SimpleNamespace(create_publisher=create_publisher))
 
 
 def block() -> tuple[SampledMotion, SampledMotion]:
