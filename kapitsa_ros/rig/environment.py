@@ -23,7 +23,7 @@ _profile = 'loopback.xml'
 """Of Fast DDS, for participants of this program and its nodes, unless they have peers elsewhere."""
 
 
-def beat_slowly() -> None:
+def use_slow_heartbeats() -> None:
     """Have writers ask for acknowledgements once a second: for a program whose sessions are ended by a person.
 
     Nobody waits for the last acknowledgement there, and at rate 1 it saves a tenth of a rig's CPU time and of its

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.network.registry import COMMAND
 from kapitsa_ros.network.step_id import StepId
@@ -14,13 +14,6 @@ if TYPE_CHECKING:
     from kapitsa_ros.ros.rig_client import RigClient
 
 
-class Await(Protocol):
-    """Waits, as long as the rig lives and one has patience."""
-
-    def __call__(self, found: Callable[[], Any], what: str, /) -> Any:
-        """Return what `found` does, once that is not None; `what` is that in words."""
-
-
 class SimulationControl:
     """Controls the node that owns time, and follows the topics to the step that a call leads to.
 
@@ -29,7 +22,7 @@ class SimulationControl:
     client
         Calls the node, and knows what each topic has said.
     wait
-        Waits for something to be found.
+        Returns what its first argument does, once that is not None; the second says in words what is waited for.
 
     Raises
     ------
@@ -40,7 +33,7 @@ class SimulationControl:
 
     """
 
-    def __init__(self, client: RigClient, wait: Await) -> None:
+    def __init__(self, client: RigClient, wait: Callable[[Callable[[], Any], str], Any]) -> None:
         self._client, self._await = client, wait
 
     def pause(self) -> None:

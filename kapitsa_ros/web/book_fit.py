@@ -65,9 +65,8 @@ class BookFit:
             values: dict[str, Any] = {}
             why = _TOO_FEW
             if readings >= _READINGS:
-                if not self._values:
-                    self._why = _AT_WORK
-                    self._on_change()
+                self._values, self._why = {}, _AT_WORK  # not the fit of a book that has changed
+                self._on_change()
                 try:
                     values = fit_values(await asyncio.to_thread(_reduced, table, self._plant, self._amplitude_sigma))
                 except (KapitsaError, OSError) as error:

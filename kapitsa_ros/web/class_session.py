@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from kapitsa_ros.rig.environment import beat_slowly
+from kapitsa_ros.rig.environment import use_slow_heartbeats
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_server import class_application
@@ -42,7 +42,7 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
         The address cannot be listened on; the folder cannot be written, or holds something else.
 
     """
-    beat_slowly()
+    use_slow_heartbeats()
 
     async def serve(listening: socket.socket) -> None:
         files = ClassFolder(folder, settings)

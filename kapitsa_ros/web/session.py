@@ -10,7 +10,7 @@ import click
 
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
 from kapitsa_ros.bench.notebook import Notebook
-from kapitsa_ros.rig.environment import beat_slowly
+from kapitsa_ros.rig.environment import use_slow_heartbeats
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.bench_setup import BenchSetup
@@ -63,7 +63,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
 
     """
     refuse_old_runs(bags)
-    beat_slowly()
+    use_slow_heartbeats()
 
     async def serve(listening: socket.socket) -> None:
         setup = BenchSetup(

@@ -89,4 +89,4 @@ def test_slow_heartbeats_are_all_that_tells_the_two_profiles_apart() -> None:
     usual = said('loopback.xml')
     slow = usual.replace('<nanosec>50000000</nanosec></heartbeatPeriod>', '<sec>1</sec></heartbeatPeriod>')
     assert slow != usual
-    assert said('loopback_slow_heartbeats.xml') == slow.replace('brisk_writer', 'calm_writer')
+    assert said('loopback_slow_heartbeats.xml') == slow.replace('brisk_writer', 'slow_heartbeat_writer')
