@@ -204,7 +204,14 @@ class BenchState:
         self._lies = lies
 
     def press_watch(self, now: float) -> None:
-        """Start or stop the stopwatch."""
+        """Start or stop the stopwatch, at a simulated time, s.
+
+        Raises
+        ------
+        InstrumentError
+            It runs, and was started after that.
+
+        """
         self.watch.press(now)
 
     def write_down(self, now: float) -> None:

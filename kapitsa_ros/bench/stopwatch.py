@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.instruments.errors import InstrumentError
 from kapitsa_ros.instruments.press_errors import display
 
 if TYPE_CHECKING:
@@ -46,8 +47,17 @@ class HandStopwatch:
         return self._settings.display_resolution
 
     def press(self, now: float) -> None:
-        """Press the button, at a simulated time, s."""
-        if self.runs:
+        """Press the button, at a simulated time, s.
+
+        Raises
+        ------
+        InstrumentError
+            It runs, and was started after that.
+
+        """
+        if self.runs and self._started is not None:
+            if now < self._started:
+                raise InstrumentError('not timed: the watch was started after that')
             self._stopped = now
         else:
             self._started, self._stopped = now, None

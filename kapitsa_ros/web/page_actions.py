@@ -73,7 +73,7 @@ def _count_swings(bench: WebBench, controls: BenchControls, value: int) -> None:
 
 
 def _press_watch(bench: WebBench, controls: BenchControls, value: float) -> None:  # noqa: ARG001
-    bench.state.press_watch(bench.seen_at(value))
+    bench.press_watch(value)
 
 
 def _clear_watch(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001

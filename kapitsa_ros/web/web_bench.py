@@ -39,8 +39,8 @@ _RECENT = 20
 """Steps that a page is shown when it comes."""
 _HALVES = 20
 """Steps kept of which one half has come: of one that is older the other half was refused."""
-_SEEN_LATE = 1.0
-"""Seconds of wall time by which a page may show the motion late."""
+_ROUNDING = 1e-6
+"""Seconds by which a page may be wrong about the end of a step, which it works out itself."""
 
 
 class WebBench:
@@ -162,13 +162,25 @@ class WebBench:
         """Return the simulated time, s of the run."""
         return self.state.clock.now(time.monotonic())
 
-    def seen_at(self, moment: float) -> float:
-        """Return when a person pressed who saw the motion of a moment, s of the run.
+    def press_watch(self, moment: float) -> None:
+        """Start or stop the stopwatch, by a person who saw the motion of a moment, s of the run.
 
-        What a page says is believed as far as the motion can have been on its way.
+        That moment is the page's to say, however late it shows the motion: what was seen is what is timed.
+
+        Raises
+        ------
+        PageRequestError
+            No page can have shown that moment of this run.
+        InstrumentError
+            The watch was started after it.
+
         """
-        now = self.now()
-        return min(max(moment, now - _SEEN_LATE * max(1.0, self.state.clock.rate)), self.state.clock.known)
+        known = self.state.clock.known
+        if not 0.0 <= moment <= known + _ROUNDING:
+            raise PageRequestError(
+                'not timed: pressed at {moment:.1f} s, of this run {known:.1f} s were seen', moment=moment, known=known
+            )
+        self.state.press_watch(moment)
 
     def changed(self) -> None:
         """Have the pages told what is different now."""

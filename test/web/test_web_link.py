@@ -57,6 +57,8 @@ def test_the_bench_is_worked_through_the_link(page: Any) -> None:
         ('images', 0, 'a count from 1'),
         ('swings', 10_000, 'a count from 1'),
         ('watch', 'soon', 'needs a number'),
+        ('watch', -1, 'not timed: pressed at -1.0 s'),
+        ('watch', 1e6, 'not timed: pressed at 1000000.0 s'),
     ],
 )
 def test_what_cannot_be_done_is_refused_with_its_reason(page: Any, name: str, value: Any, why: str) -> None:
@@ -66,6 +68,17 @@ def test_what_cannot_be_done_is_refused_with_its_reason(page: Any, name: str, va
     assert {each: page.told['knobs'][each] for each in ('speed', 'dial', 'angle')} == {
         each: knobs[each] for each in ('speed', 'dial', 'angle')
     }
+
+
+def test_what_a_page_shows_late_is_timed_as_it_was_seen(page: Any) -> None:
+    page.ask('pace', 8)
+    page.until(lambda: page.motions > 60)
+    page.ask('watch', 1.0)
+    page.until(lambda: page.told['knobs']['watch_started'] == 1.0)
+    page.ask('watch', 0.5)
+    page.refused('the watch was started after that')
+    page.ask('watch', 2.83)
+    page.until(lambda: page.told['knobs']['watch_shown'] == pytest.approx(1.83))
 
 
 def test_frames_that_are_no_requests_are_refused(page: Any) -> None:
