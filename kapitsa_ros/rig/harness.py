@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Self
 from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.instruments.settings import Instruments
 from kapitsa_ros.network.registry import CLIENT, ROLE_NAMES
 from kapitsa_ros.operator.protocol import MANUAL
@@ -70,6 +71,8 @@ class Rig:
         `manual`, or what the operator is to carry out.
     composed
         Whether the nodes share one process, which takes less of the machine; its end is that of all.
+    steps
+        How simulated time is divided between the nodes; None: as by default. Longer steps take less of the machine.
 
     Raises
     ------
@@ -95,6 +98,7 @@ class Rig:
         bags: str | Path | None = None,
         protocol: str | Path = MANUAL,
         composed: bool = False,
+        steps: StepParameters | None = None,
     ) -> None:
         self._roles = ROLE_NAMES if nodes is None else tuple(nodes)
         if unknown := set(self._roles) - set(ROLE_NAMES):
@@ -102,6 +106,7 @@ class Rig:
         self._preset, self._instruments, self._protocol = preset, instruments, str(protocol)
         self._seed, self._rate, self._requested_domain = seed, rate, domain
         self._given_bags, self._composed = bags, composed
+        self._steps = StepParameters() if steps is None else steps
         self._stack: ExitStack | None = None
         """What ends with the rig; None: it does not run."""
         self._has_run = False
@@ -131,6 +136,7 @@ class Rig:
                 protocol=self._protocol,
                 seed=self._seed,
                 rate=self._rate,
+                steps=self._steps,
                 bags=self.bags,
             )
             values = parameters(setup)

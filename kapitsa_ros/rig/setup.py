@@ -11,6 +11,7 @@ from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.configuration.rig_parameters import RigParameters
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.network.registry import REPLAY_ROLES, ROLE_NAMES
 from kapitsa_ros.operator.protocol import MANUAL, Protocol
 from kapitsa_ros.physics.plant import Plant
@@ -32,6 +33,7 @@ class Setup:
     protocol: str = '1997'
     seed: int = 1
     rate: float = 0.0
+    steps: StepParameters = field(default_factory=StepParameters)
     bags: Path = Path('runs')
     storage: str = 'mcap'
     compression: str = 'zstd'
@@ -54,6 +56,7 @@ def parameters(setup: Setup) -> dict[str, Any]:
         'protocol': setup.protocol,
         **({} if setup.protocol == MANUAL else {'swings': setup.carried_out().swings}),
         **asdict(RigParameters(seed=setup.seed, rate=setup.rate)),
+        **asdict(setup.steps),
         'bags': str(setup.bags),
         'storage': setup.storage,
         'compression': setup.compression,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.bench.bench_controls import FASTEST_PACE
+from kapitsa_ros.configuration.step_parameters import StepParameters
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -38,6 +39,7 @@ class BenchSetup:
 
     composed: bool = False
     """Whether the nodes share one process."""
+    steps: StepParameters = field(default_factory=StepParameters)
 
     def seed_of_rig(self, number: int) -> int:
         """Return the seed of a rig, from 1: its runs count anew, and are not to repeat the chance of those before."""

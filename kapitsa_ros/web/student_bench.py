@@ -12,6 +12,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.experiment import true_threshold
 from kapitsa_ros.bench.notebook import Notebook
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.errors import KapitsaError, said_of
 from kapitsa_ros.message import Message
 from kapitsa_ros.network.step_clock import SECOND
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.web.class_folder import BenchFolder
     from kapitsa_ros.web.page_client import PageClient
 
+STEPS = StepParameters(step=0.2, in_flight=2)
+"""Half as many messages as by default, as a class has many rigs, and as long from a request to what comes of it."""
 SLEEP_AFTER = 20.0
 """Wall seconds without a page after which time stands still at a bench."""
 MOST_HAND_INS = 100
@@ -73,6 +76,7 @@ class StudentBench(WebBench):
             shown=type(plant)(length=self.record.told_length, amplitude=stroke, gravity=plant.gravity),
             amplitude_sigma=sigma,
             composed=True,
+            steps=STEPS,
         )
         super().__init__(setup, Notebook(folder.book, continued=True))
         self._begun: asyncio.Task[None] | None = None

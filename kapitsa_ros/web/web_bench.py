@@ -105,6 +105,7 @@ class WebBench:
             bags=folder,
             protocol=MANUAL,
             composed=setup.composed,
+            steps=setup.steps,
         )
         self._rig = await asyncio.to_thread(rig.__enter__)
         self.controls = BenchControls(self._rig, self.state, self._post, self._receive_failure, self._receive)

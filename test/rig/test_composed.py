@@ -15,7 +15,9 @@ import pytest
 
 import kapitsa_ros as kr
 from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
+from kapitsa_ros.configuration.step_parameters import StepParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
+from kapitsa_ros.laboratory.verification import verify_run
 from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.nodes.__main__ import run_node
 from kapitsa_ros.recording.reader import RunBag
@@ -50,6 +52,21 @@ def test_bags_and_results_are_those_of_seven_processes(
         again = replay_bags(first, Replay(composed=True), lambda _: None)
     assert not caplog.messages  # nothing was refused
     assert again['runs'][0]['period_s'] == values['runs'][0]['period_s']
+
+
+def test_longer_steps_are_as_good_and_take_fewer_messages(tmp_path: Path) -> None:
+    with Rig(bags=tmp_path, composed=True, steps=StepParameters(step=0.2, in_flight=2)) as rig:
+        rig.request_speed(2500)
+        rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.size == 201)
+        rig.release(0.1)
+        rig.wait_for('pendulum/motion', lambda motion: motion.position[-1] < 0, PATIENCE)
+        rig.reset()
+        rig.wait_for('pendulum/motion', lambda motion: abs(motion.position[0]) == motion.position[-1], PATIENCE)
+    path = min(tmp_path.iterdir())
+    bag = RunBag(path)
+    assert bag.complete
+    assert bag.motion.angle.size == 1 + 200 * (sum(1 for _ in bag.raw('pendulum/motion')) - 1)  # and its end
+    assert verify_run(bag).identical
 
 
 def test_a_rig_in_one_process_is_worked_as_any_and_named_where_it_is_killed(

@@ -28,7 +28,7 @@ from kapitsa_ros.web.classroom import Classroom
 from kapitsa_ros.web.errors import PageRequestError
 from kapitsa_ros.web.hand_in import parse_hand_in
 from kapitsa_ros.web.page_client import PageClient
-from kapitsa_ros.web.student_bench import SLEEP_AFTER, StudentBench
+from kapitsa_ros.web.student_bench import SLEEP_AFTER, STEPS, StudentBench
 
 pytestmark = pytest.mark.xdist_group('web')
 TWO = """
@@ -288,11 +288,11 @@ def work(page: Any, speed: int) -> None:
     page.ask('speed', speed)
     page.ask('dial', 2 * speed)
     page.until(lambda: page.motions > 10)
-    page.ask('watch', 0.1 * page.motions)
+    page.ask('watch', STEPS.step * page.motions)
     page.until(lambda: page.told['knobs']['watch_started'] is not None)
     begun = page.motions
     page.until(lambda: page.motions > begun + 20)
-    page.ask('watch', 0.1 * page.motions)
+    page.ask('watch', STEPS.step * page.motions)
     page.ask('write')
     page.until(lambda: page.told['book']['lines'])
     page.ask('hand-in', {'omega_crit_rpm': 1500, 'low_rpm': 1400, 'high_rpm': 1600})
