@@ -101,7 +101,8 @@ class Student:
 
     async def _next_or_wait(self) -> None:
         with suppress(TimeoutError):
-            await asyncio.wait_for(self.blocks.get(), 0.05)
+            async with asyncio.timeout(0.05):  # `wait_for` of Python 3.11 may lose a cancellation
+                await self.blocks.get()
 
     async def _laboratory(self) -> None:
         await self._until(lambda: 'class' in self.told)

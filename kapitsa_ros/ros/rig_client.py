@@ -65,6 +65,8 @@ class RigClient(ListenerNode):
         self._newest: dict[str, _Message] = {}
         self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in self.seen}
         self._lock = threading.Lock()
+        self._woken = False
+        """Whether `news` is readable: to say so again would be a system call a message."""
         super().__init__(CLIENT.name, domain)
         for topic in TOPICS:
             NumberedSubscription(self._node, topic, self._taker(topic), lambda _: None, self.fail)
@@ -86,6 +88,7 @@ class RigClient(ListenerNode):
         """Make `news` unreadable until something comes."""
         with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self.news)
+        self._woken = False  # last: what comes before is found by whoever looks after this call
 
     def take(self, topic: str, predicate: Callable[[Any], bool] | None) -> Any:
         """Return the first unread message that fits, as a plain type, or None; those before it count as read."""
@@ -161,7 +164,9 @@ class RigClient(ListenerNode):
 
     def wake(self) -> None:
         """Make `news` readable."""
-        os.eventfd_write(self.news, 1)
+        if not self._woken:
+            self._woken = True
+            os.eventfd_write(self.news, 1)
 
     def _taker(self, topic: Topic[Any]) -> Callable[[StepId, bytes], None]:
         unread = self._unread[topic.name]

@@ -93,3 +93,4 @@ async def _send(socket: WebSocket, page: PageClient) -> None:
                 await socket.send_text(frame)
             else:
                 await socket.send_bytes(frame)
+            await asyncio.sleep(0)  # a link that was lost is noticed, or each frame of many would be a line on stderr
