@@ -46,38 +46,34 @@ def expand(
     angle
         Shape (order + 1,): θ and h θ′ on entry, the series on return.
     sine, cosine, slope
-        Work space of the same shape. The series of sin θ and cos θ stand backwards in theirs, the constant term last:
-        in that order products of series read them from front to end, which takes two thirds of the time.
+        Work space of the same shape; `sine` and `cosine` come back as the series of sin θ and cos θ.
 
     """
-    last = angle.size - 1
-    sine[last] = angle[0] if linear else math.sin(angle[0])
-    cosine[last] = 1.0 if linear else math.cos(angle[0])
+    sine[0] = angle[0] if linear else math.sin(angle[0])
+    cosine[0] = 1.0 if linear else math.cos(angle[0])
     slope[1] = angle[1]
-    angle[2] = 0.5 * (drive[0] * sine[last] - friction - damping * angle[1])
+    angle[2] = 0.5 * (drive[0] * sine[0] - friction - damping * angle[1])
     for n in range(1, angle.size - 2):
         # Every other term goes to a sum of its own: a sum waits for its last addition, two run side by side.
         rising, falling, torque = 0.0, 0.0, 0.0
         rising_too, falling_too, torque_too = 0.0, 0.0, 0.0
-        at = last - n
         for j in range(1, n, 2):
-            rising += slope[j] * cosine[at + j]
-            rising_too += slope[j + 1] * cosine[at + j + 1]
-            falling += slope[j] * sine[at + j]
-            falling_too += slope[j + 1] * sine[at + j + 1]
-            torque += drive[j] * sine[at + j]
-            torque_too += drive[j + 1] * sine[at + j + 1]
+            rising += slope[j] * cosine[n - j]
+            falling += slope[j] * sine[n - j]
+            torque += drive[j] * sine[n - j]
+            rising_too += slope[j + 1] * cosine[n - j - 1]
+            falling_too += slope[j + 1] * sine[n - j - 1]
+            torque_too += drive[j + 1] * sine[n - j - 1]
         if n % 2 == 1:
-            rising += slope[n] * cosine[last]
-            falling += slope[n] * sine[last]
-            torque += drive[n] * sine[last]
+            rising += slope[n] * cosine[0]
+            falling += slope[n] * sine[0]
+            torque += drive[n] * sine[0]
         rising += rising_too
         falling += falling_too
         torque += torque_too
-        sine_n = angle[n] if linear else rising * RECIPROCAL[n]
-        sine[at] = sine_n
-        cosine[at] = -falling * RECIPROCAL[n]
-        torque += drive[0] * sine_n
+        sine[n] = angle[n] if linear else rising * RECIPROCAL[n]
+        cosine[n] = -falling * RECIPROCAL[n]
+        torque += drive[0] * sine[n]
         slope[n + 1] = (n + 1) * angle[n + 1]
         angle[n + 2] = (torque - damping * slope[n + 1]) * (RECIPROCAL[n + 1] * RECIPROCAL[n + 2])
 
