@@ -118,21 +118,21 @@ class _Profile:
                 ((forcing - data.forcing) / self._forcing_sigma, data.period * parameters[1:] / self._period_sigma)
             )
 
-        def slopes(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
+        def jacobian(parameters: NDArray[np.float64]) -> NDArray[np.float64]:
             growth = unit * (parameters[0] * data.slow / (1.0 + parameters[1:])) ** 2
             forcing = np.sqrt(np.maximum(square + growth, 0.0))
             per_share = np.divide(growth, forcing * self._forcing_sigma, out=np.zeros_like(growth), where=forcing > 0.0)
-            slope = np.zeros((2 * count, count + 1))
-            slope[:count, 0] = per_share / parameters[0]
-            slope[run, 1 + run] = -per_share / (1.0 + parameters[1:])
-            slope[count + run, 1 + run] = data.period / self._period_sigma
-            return slope
+            change = np.zeros((2 * count, count + 1))
+            change[:count, 0] = per_share / parameters[0]
+            change[run, 1 + run] = -per_share / (1.0 + parameters[1:])
+            change[count + run, 1 + run] = data.period / self._period_sigma
+            return change
 
         count = data.period.size
         run = np.arange(count)
         start = np.append(1.0, np.zeros(count))
         return least_squares(
-            misfit, start, slopes, x_scale=np.full(start.size, 0.1), method='lm', xtol=1e-13, ftol=1e-13, gtol=1e-13
+            misfit, start, jacobian, x_scale=np.full(start.size, 0.1), method='lm', xtol=1e-13, ftol=1e-13, gtol=1e-13
         )
 
     def minimum(self) -> tuple[float, float]:
