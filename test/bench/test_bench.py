@@ -41,6 +41,7 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig import Rig, RigError
+from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.session import replay_bags
 from kapitsa_ros.rig.setup import Replay
@@ -483,7 +484,7 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         person.press('up')
         await person.told('the nodes are starting')
         assert state.speed == 0
-        rig.processes['recorder'].end(signal.SIGCONT)
+        start_recorder()
         await person.until(lambda: state.run)
         for key, typed, words in (
             ('s', '9000', '5000 RPM'),
@@ -512,9 +513,21 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         rig.processes['stopwatch'].end(signal.SIGKILL)
         await person.until(lambda: person.app._exit)
 
-    with Rig(rate=1, bags=tmp_path / 'bags') as rig:
-        rig.processes['recorder'].end(signal.SIGSTOP)  # until somebody has seen that nodes are starting
-        error = in_front_of(rig, state, work)
+    folder = tmp_path / 'bags'
+    recorder = [sys.executable, '-m', 'kapitsa_ros', 'node', 'recorder', '--ros-args', '-p', f'bags:={folder}']
+    last: list[subprocess.Popen[bytes]] = []
+
+    def start_recorder() -> None:
+        """Start the node that all wait for, once somebody has seen that nodes are starting."""
+        last.append(subprocess.Popen(recorder, env=node_environment(rig.domain)))
+
+    try:
+        with Rig(rate=1, nodes=[role for role in ROLE_NAMES if role != 'recorder'], bags=folder) as rig:
+            error = in_front_of(rig, state, work)
+    finally:
+        for process in last:
+            process.kill()
+            process.wait()
     assert isinstance(error, RigError)
     assert 'stopwatch was killed by SIGKILL' in str(error)
 

@@ -53,7 +53,7 @@ def test_a_result_that_cannot_be_written_is_no_success() -> None:
 def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:
     gone = tmp_path / 'gone'
     gone.mkdir()
-    command = [sys.executable, '-m', 'kapitsa_ros', 'reduce', '--json']
+    command = [sys.executable, '-m', 'kapitsa_ros', 'analyse', 'run']
     shell = ['/bin/sh', '-c', 'cd "$0" && rmdir "$0" && exec "$@"', str(gone), *command]
     environment = os.environ | {'PYTHONPATH': str(CHECKOUT)}
     done = subprocess.run(shell, env=environment, capture_output=True, text=True, timeout=120, check=False)

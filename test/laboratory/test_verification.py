@@ -151,13 +151,12 @@ def recorded_elsewhere(path: Path, processor: str, *, bend: bool) -> Path:
     return path
 
 
-def test_the_answer_tells_the_processor_it_was_recorded_on(tmp_path: Path) -> None:
+def test_the_answer_tells_the_processor_it_was_recorded_on(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
     (tmp_path / 'runs').mkdir()
     for name, text in (('here', processor_text()), ('elsewhere', '["x86_64", "Z80"]'), ('unknown', '')):
         recorded_elsewhere(tmp_path / 'runs' / name, text, bend=True)
     recorded_elsewhere(tmp_path / 'runs' / 'same', '["x86_64", "Z80"]', bend=False)
-    runner = CliRunner()
-    answer, said = (runner.invoke(verify, [str(tmp_path / 'runs'), *how]).stdout for how in (['--json'], []))
+    answer, said = (kapitsa('verify', tmp_path / 'runs', *how).out for how in (['--json'], []))
     values = {Path(each['bag']).name: each for each in json.loads(answer)['bags']}
     lines = {Path(line.split(',')[0]).name: line for line in said.splitlines()}
     here = list(processor())

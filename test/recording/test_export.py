@@ -2,6 +2,7 @@
 
 import json
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -126,14 +127,14 @@ def test_topics_are_chosen_and_nothing_is_overwritten(tmp_path: Path, run: RunBa
     assert not (tmp_path / 'joints').exists()
 
 
-def test_what_goes_to_a_pipe_is_the_table_alone(tmp_path: Path) -> None:
+def test_what_goes_to_a_pipe_is_the_table_alone(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
     """As to /dev/stdout, where another program reads it."""
     reader, writer = os.pipe()
-    (tmp_path / 'stdout').symlink_to(f'/dev/fd/{writer}')
-    arguments = ['export', str(SHIPPED), '--format', 'csv', '--topic', 'strobe/reading', '--output']
-    done = CliRunner().invoke(bag_command, [*arguments, str(tmp_path / 'stdout')])
-    assert (done.exit_code, done.stdout) == (0, '')
-    assert done.stderr.endswith(' rows\n')
+    (tmp_path / 'stdout').symlink_to(f'/proc/{os.getpid()}/fd/{writer}')
+    arguments = ['export', SHIPPED, '--format', 'csv', '--topic', 'strobe/reading', '--output', tmp_path / 'stdout']
+    done = kapitsa('bag', *arguments)
+    assert (done.status, done.out) == (0, '')
+    assert done.err.endswith(' rows\n')
     os.close(writer)
     with os.fdopen(reader) as file:
         assert file.read().count('time_s') == 1
