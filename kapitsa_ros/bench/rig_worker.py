@@ -94,13 +94,9 @@ class RigWorker:
                 self._listener.receive_failure(RigError('the bench lost its rig: {why!r}', why=error))
 
     def _pass_on(self, timeout: float) -> None:
-        news = self._rig.news(timeout, _TOPICS)
-        if not news:
-            return
-        if timeout:  # the messages of a step come one by one: to be woken for each costs more than they do
-            time.sleep(GATHERING)
-            news += self._rig.news(0.0, _TOPICS)
-        self._listener.receive(news, time.monotonic())
+        news = self._rig.news(timeout, _TOPICS, gathering=GATHERING if timeout else 0.0)
+        if news:
+            self._listener.receive(news, time.monotonic())
 
     def _carry_out(self) -> None:
         while not self._ending.is_set():

@@ -44,6 +44,8 @@ PATIENCE = 30.0
 """Seconds of wall time for which an answer is waited for."""
 _LOOK_PERIOD = 0.1
 """Seconds between two looks at the graph: who joins it does not announce it with a message."""
+_LONGEST_WAIT = 60.0
+"""Seconds; `poll` takes no endless ones."""
 
 
 class Rig:
@@ -219,9 +221,12 @@ class Rig:
 
         """
         name = _known(topic)
-        return self._until(lambda: self._client.take(name, predicate), timeout, f'a message on {name} that fits')
+        what = f'a message on {name} that fits'
+        return self._until(lambda: self._client.take(name, predicate), timeout, what, [name])
 
-    def news(self, timeout: float = PATIENCE, topics: Sequence[str] = TOPIC_NAMES) -> list[News]:
+    def news(
+        self, timeout: float = PATIENCE, topics: Sequence[str] = TOPIC_NAMES, *, gathering: float = 0.0
+    ) -> list[News]:
         """Return all that came since the last call, in the order of its steps.
 
         Parameters
@@ -230,11 +235,16 @@ class Rig:
             Seconds of wall time to wait for the first message; without one the list is empty, as after `wake`.
         topics
             Of those of `wait_for`.
+        gathering
+            Seconds given to others once one has come: a step's messages come one by one, and to be woken for each costs
+            more than they do. `wake` ends them.
 
         """
         names = [_known(topic) for topic in topics]
 
         def found() -> list[News] | None:
+            if gathering and self._client.has_unread(names):
+                self._woken.wait(gathering)
             news = self._client.take_all(names)
             if news or self._woken.is_set():
                 self._woken.clear()
@@ -242,7 +252,7 @@ class Rig:
             return None
 
         try:
-            news: list[News] = self._until(found, timeout, 'news')
+            news: list[News] = self._until(found, timeout, 'news', names)
         except TimeoutError:
             return []
         return news
@@ -301,9 +311,11 @@ class Rig:
         if self._stack is None:
             raise UsageError('this rig does not run: use it within `with Rig() as rig:`')
 
-    def _until(self, found: Callable[[], Any], timeout: float, what: str) -> Any:
-        """Call `found` whenever there is news, until it returns something else than None."""
+    def _until(self, found: Callable[[], Any], timeout: float, what: str, topics: Sequence[str] | None = None) -> Any:
+        """Call `found` whenever there is news (of `topics`, or any) until it returns something else than None."""
         self._refuse_unless_running()
+        self._client.heed(topics)
+        look_period = _LOOK_PERIOD if topics is None else _LONGEST_WAIT
         deadline = time.monotonic() + timeout
         ended = False
         while True:
@@ -318,7 +330,7 @@ class Rig:
             if left <= 0 or math.isnan(left):
                 waiting = '' if any(self._client.seen.values()) else self._nodes.who_waits()
                 raise TimeoutError(f'{what} did not come within {timeout} s{waiting and f": {waiting}"}')
-            ended = self._nodes.wait(min(left, _LOOK_PERIOD), self._client.news)
+            ended = self._nodes.wait(min(left, look_period), self._client.news)
 
 
 def _known(topic: str) -> str:

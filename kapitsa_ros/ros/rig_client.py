@@ -17,7 +17,7 @@ from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.time_control_client import RESET, TimeControlClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterable, Sequence
     from types import TracebackType
 
     from rclpy.publisher import Publisher
@@ -50,7 +50,7 @@ class News(NamedTuple):
 class RigClient(ListenerNode):
     """Listens to all numbered topics of a rig. A context: it listens while it lasts.
 
-    Nothing here waits; `news` becomes readable whenever a message or an answer came.
+    Nothing here waits; `news` becomes readable whenever a message that is heeded or an answer came.
 
     Parameters
     ----------
@@ -67,6 +67,7 @@ class RigClient(ListenerNode):
         self._lock = threading.Lock()
         self._woken = False
         """Whether `news` is readable: to say so again would be a system call a message."""
+        self._heeded: frozenset[str] | None = None
         super().__init__(CLIENT.name, domain)
         for topic in TOPICS:
             NumberedSubscription(self._node, topic, self._taker(topic), lambda _: None, self.fail)
@@ -83,6 +84,10 @@ class RigClient(ListenerNode):
             super().__exit__(kind, error, trace)
         finally:
             os.close(self.news)
+
+    def heed(self, topics: Iterable[str] | None) -> None:
+        """Have `news` become readable by what topics say, and not by their silence; None: by any message."""
+        self._heeded = None if topics is None else frozenset(topics)
 
     def clear_news(self) -> None:
         """Make `news` unreadable until something comes."""
@@ -103,6 +108,10 @@ class RigClient(ListenerNode):
             if predicate is None or predicate(value):
                 return value
         return None
+
+    def has_unread(self, topics: Sequence[str]) -> bool:
+        """Whether there are unread messages of topics."""
+        return any(self._unread[name] for name in topics)
 
     def take_all(self, topics: Sequence[str] = TOPIC_NAMES) -> list[News]:
         """Return the unread messages of topics, in the order of their steps."""
@@ -172,12 +181,13 @@ class RigClient(ListenerNode):
         unread = self._unread[topic.name]
 
         def take(step_id: StepId, raw: bytes) -> None:
-            message = _Message(step_id, raw)
+            message, is_silence = _Message(step_id, raw), topic.codec.is_silence(raw)
             with self._lock:
-                if not topic.codec.is_silence(raw):
+                if not is_silence:
                     self._newest[topic.name] = message
                     unread.append(message)
                 self.seen[topic.name] = message.step_id
-            self.wake()
+            if self._heeded is None or (topic.name in self._heeded and not is_silence):
+                self.wake()
 
         return take
