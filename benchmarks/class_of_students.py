@@ -18,6 +18,7 @@ import subprocess
 import sys
 import time
 import urllib.request
+from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -182,10 +183,13 @@ def main() -> None:
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--window', type=float, default=15.0, help='seconds for which is measured')
     parser.add_argument('--patience', type=float, default=300.0, help='seconds')
+    parser.add_argument('--keep', type=Path, help='folder in which class.yaml and class/ are left, for kapitsa serve')
     arguments = parser.parse_args()
     load = os.getloadavg()[0]
-    with TemporaryDirectory() as folder:
-        server = Server(Path(folder), arguments.students, arguments.seed, arguments.rate)
+    with ExitStack() as stack:
+        folder = arguments.keep or Path(stack.enter_context(TemporaryDirectory()))
+        folder.mkdir(parents=True, exist_ok=True)
+        server = Server(folder, arguments.students, arguments.seed, arguments.rate)
         try:
             found = asyncio.run(class_at_work(server, arguments))
             server.process.send_signal(signal.SIGINT)
