@@ -76,6 +76,7 @@ BENCH = [
 WEB = [
     'starlette>=0.37.2',
     'uvicorn>=0.30',
+    'uvloop>=0.19',
     'websockets>=15.0',
 ]
 FOXGLOVE = [

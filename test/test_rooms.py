@@ -49,7 +49,7 @@ STAND_ON = {
     'pytest',
     'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'starlette',
     'std_msgs', 'std_srvs',
-    'textual', 'trajectory_msgs', 'uvicorn', 'yaml',
+    'textual', 'trajectory_msgs', 'uvicorn', 'uvloop', 'yaml',
     'xarray', 'zstandard',
 }  # fmt: skip
 """What setup.py and package.xml declare, by the name it is imported under."""

@@ -8,7 +8,7 @@ from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Protocol
 
 from kapitsa_ros.errors import said_of
-from kapitsa_ros.network.registry import COMMAND, RECORDED
+from kapitsa_ros.network.registry import COMMAND, PIVOT, RECORDED
 from kapitsa_ros.operator.errors import RequestError
 from kapitsa_ros.rig.errors import RigError
 
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
 
 _TOPICS = tuple(topic.name for topic in RECORDED if topic is not COMMAND)
 """That a person sees something of: what was commanded they know."""
+_AWAITED = tuple(name for name in _TOPICS if name != PIVOT.name)
+"""A step's pivot is there when its pendulum comes, or waits for the next."""
 LISTEN = 1.0
 """Seconds for which news is waited for; an order ends the wait."""
-GATHERING = 0.01
-"""Seconds given to the other messages of a step, once one has come."""
 GRACE = 3.0
 """Seconds given to an order under way when all is to end."""
 
@@ -94,7 +94,7 @@ class RigWorker:
                 self._listener.receive_failure(RigError('the bench lost its rig: {why!r}', why=error))
 
     def _pass_on(self, timeout: float) -> None:
-        news = self._rig.news(timeout, _TOPICS, gathering=GATHERING if timeout else 0.0)
+        news = self._rig.news(timeout, _TOPICS, awaited=_AWAITED)
         if news:
             self._listener.receive(news, time.monotonic())
 

@@ -225,7 +225,7 @@ class Rig:
         return self._until(lambda: self._client.take(name, predicate), timeout, what, [name])
 
     def news(
-        self, timeout: float = PATIENCE, topics: Sequence[str] = TOPIC_NAMES, *, gathering: float = 0.0
+        self, timeout: float = PATIENCE, topics: Sequence[str] = TOPIC_NAMES, *, awaited: Sequence[str] | None = None
     ) -> list[News]:
         """Return all that came since the last call, in the order of its steps.
 
@@ -235,26 +235,27 @@ class Rig:
             Seconds of wall time to wait for the first message; without one the list is empty, as after `wake`.
         topics
             Of those of `wait_for`.
-        gathering
-            Seconds given to others once one has come: a step's messages come one by one, and to be woken for each costs
-            more than they do. `wake` ends them.
+        awaited
+            Those of `topics` whose messages end the wait; None: all. To be woken for each message of a step takes time.
 
         """
         names = [_known(topic) for topic in topics]
+        ending = names if awaited is None else [_known(topic) for topic in awaited]
 
         def found() -> list[News] | None:
-            if gathering and self._client.has_unread(names):
-                self._woken.wait(gathering)
+            woken = self._woken.is_set()
+            if not (woken or self._client.has_unread(ending)):
+                return None
             news = self._client.take_all(names)
-            if news or self._woken.is_set():
-                self._woken.clear()
-                return news
-            return None
+            if not (news or woken):  # somebody else's, that are no messages
+                return None
+            self._woken.clear()
+            return news
 
         try:
-            news: list[News] = self._until(found, timeout, 'news', names)
+            news: list[News] = self._until(found, timeout, 'news', ending)
         except TimeoutError:
-            return []
+            return self._client.take_all(names)
         return news
 
     def wake(self) -> None:

@@ -13,7 +13,7 @@ from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_server import class_application
 from kapitsa_ros.web.classroom import Classroom
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
 
 if TYPE_CHECKING:
     import socket
@@ -67,4 +67,4 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
             click.echo(f'{handed_in} of {len(room.benches)} have handed in; books and runs are in {folder}')
 
     with alone_in(folder), closing(listen(host, port)) as listening:
-        asyncio.run(serve(listening))
+        run(serve(listening))

@@ -11,7 +11,7 @@ import click
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.recorded_runs import RecordedRuns
 from kapitsa_ros.web.replay_server import replay_application
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
 
 if TYPE_CHECKING:
     import socket
@@ -70,4 +70,4 @@ def serve_replay(
         await cancelled(asked_to_leave)
 
     with closing(listen(host, port)) as listening:
-        asyncio.run(serve(listening))
+        run(serve(listening))

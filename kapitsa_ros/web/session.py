@@ -15,7 +15,7 @@ from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.bench_setup import BenchSetup
 from kapitsa_ros.web.server import application
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
 from kapitsa_ros.web.web_bench import WebBench
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
             print_what_is_left(bench.folders, bench.state.notebook)
 
     with closing(listen(host, port)) as listening:
-        asyncio.run(serve(listening))
+        run(serve(listening))
 
 
 async def _serve(bench: WebBench, access: Access, listening: socket.socket, leaving: Leaving) -> None:
