@@ -177,6 +177,20 @@ def test_news_are_of_the_topics_that_are_asked_for(paused: Rig) -> None:
         paused.news(0, ['pendulum'])
 
 
+def test_the_wait_for_news_ends_with_what_is_awaited(lab: Rig) -> None:
+    lab.news(0)
+    assert 'pendulum/motion' in {topic for topic, _, _ in lab.news(awaited=['pendulum/motion'])}
+
+
+def test_news_that_end_no_wait_are_not_lost(paused: Rig) -> None:
+    paused.news(0)
+    paused.step(2)
+    news = paused.news(0.1, awaited=['analyser/result'])
+    assert np.diff([step_id.step for topic, step_id, _ in news if topic == 'jigsaw/pivot']).tolist() == [1]
+    with pytest.raises(UsageError, match='is none of'):
+        paused.news(0, awaited=['pendulum'])
+
+
 def test_who_waits_for_news_can_be_woken(paused: Rig) -> None:
     paused.news(0)
     with ThreadPoolExecutor(1) as other:
