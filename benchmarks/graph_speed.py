@@ -1,7 +1,7 @@
 """The graph at full speed, as processes and composed: CPU time a step and simulated over wall seconds.
 
 CPU time is of the nodes alone, and of what they are forked from; the start is taken off by a shorter protocol. The peer
-is what others would do: one JointState a sample, through as many nodes in one process.
+is what others would do: one JointState a sample, through as many nodes, as processes or in one.
 """
 
 from __future__ import annotations
@@ -10,30 +10,21 @@ import json
 import resource
 import statistics
 import tempfile
-import time
 from pathlib import Path
 
-import rclpy
+import joint_state_peer
 import yaml
 from measure import REPEATS, Claim
-from rclpy.experimental import EventsExecutor
-from rclpy.node import Node
-from sensor_msgs.msg import JointState
 
 from kapitsa_ros.network.registry import PIVOT, ROLE_NAMES
 from kapitsa_ros.recording.reader import RunBag
-from kapitsa_ros.rig.domain import reserved_domain
-from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.session import watch
 from kapitsa_ros.rig.setup import Setup, parameters
-from kapitsa_ros.ros.arguments import NO_LOG_FILES
-from kapitsa_ros.ros.qos import STREAM
 
 REPETITIONS = (1, 25)
 """Of the timings of 1997 in the shorter protocol and in the longer."""
 SAMPLES_A_STEP = 100
-PEER_SAMPLES = 5000
 
 
 def main() -> None:
@@ -44,11 +35,15 @@ def main() -> None:
             (short_cpu, short_steps, _), (cpu, steps, factor) = (measured(n, composed=composed) for n in REPETITIONS)
             record.append(((cpu - short_cpu) / (steps - short_steps), factor))
     processes, composed_cpu = (statistics.median(cpu for cpu, _ in found[composed]) for composed in (False, True))
-    peer = statistics.median(one_message_a_sample() for _ in range(REPEATS))
-    for work, ours in (('as processes', processes), ('composed', composed_cpu)):
+    peers = {
+        'as processes': (processes, joint_state_peer.as_processes),
+        'composed': (composed_cpu, joint_state_peer.composed),
+    }
+    for work, (ours, measure_peer) in peers.items():
+        peer = statistics.median(measure_peer() for _ in range(REPEATS))
         Claim(
             work=f'a step of the graph at 1 kHz with the recorder, {work}, CPU time of all nodes',
-            peer='one JointState a sample through as many nodes in a process',
+            peer=f'one JointState a sample through as many nodes, {work}',
             target='<= 1.5 ms, ratio >= 30',
             ours_s=ours,
             peer_s=SAMPLES_A_STEP * peer,
@@ -78,39 +73,6 @@ def measured(repetitions: int, *, composed: bool) -> tuple[float, int, float]:
 def _cpu_of_children() -> float:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
-
-
-def one_message_a_sample() -> float:
-    """Return the CPU time of a JointState that one node writes and six read, all in this process."""
-    with on_loopback(), reserved_domain() as domain:
-        rclpy.init(args=NO_LOG_FILES, domain_id=domain)
-        writer = Node('writer')
-        readers = [Node(f'reader_{number}') for number in range(len(ROLE_NAMES) - 1)]
-        publisher = writer.create_publisher(JointState, 'joint_states', STREAM)
-        heard: list[float] = []
-        executor = EventsExecutor()
-        for reader in readers:
-            reader.create_subscription(JointState, 'joint_states', lambda m: heard.append(m.position[0]), STREAM)
-            executor.add_node(reader)
-        while publisher.get_subscription_count() < len(readers):
-            executor.spin_once(timeout_sec=0.01)
-        begin = time.process_time()
-        for sample in range(PEER_SAMPLES):
-            message = JointState(name=['pivot'], position=[float(sample)], velocity=[0.0], effort=[0.0])
-            message.header.stamp = writer.get_clock().now().to_msg()
-            publisher.publish(message)
-            while len(heard) < (sample + 1) * len(readers):
-                executor.spin_once(timeout_sec=1.0)
-        used = time.process_time() - begin
-        for node in (writer, *readers):
-            if node is not writer:
-                executor.remove_node(node)
-        executor.shutdown()
-        del executor
-        for node in (writer, *readers):
-            node.destroy_node()
-        rclpy.shutdown()
-    return used / PEER_SAMPLES
 
 
 if __name__ == '__main__':
