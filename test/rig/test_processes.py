@@ -248,7 +248,7 @@ def test_a_node_that_is_killed_ends_the_experiment(
     tmp_path: Path,
 ) -> None:
     process = subprocess.Popen(
-        [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '5', '--bags', str(tmp_path / 'A'), '--json'],
+        [sys.executable, '-m', 'kapitsa_ros', 'experiment', '--rate', '1', '--bags', str(tmp_path / 'A'), '--json'],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         env={name: value for name, value in os.environ.items() if name != 'ROS_DOMAIN_ID'},
     )  # fmt: skip
