@@ -21,7 +21,7 @@ EXECUTABLES = {
 }  # fmt: skip
 CHECKOUT = Path(__file__).parents[1]
 
-pytestmark = pytest.mark.xdist_group('install')  # its nodes share a domain, and would take each other for doubles
+pytestmark = pytest.mark.xdist_group('install')  # once
 
 
 @pytest.fixture(scope='module')
@@ -95,14 +95,14 @@ def test_the_page_of_the_bench_is_installed(prefix: Path) -> None:
 
 
 @pytest.fixture
-def installed(index: Path) -> Callable[..., subprocess.Popen[str]]:
+def installed(index: Path, domain: int) -> Callable[..., subprocess.Popen[str]]:
     """Start an executable as `ros2 run` does: found in the index, from the installed files."""
 
     def start(role: str, *arguments: str) -> subprocess.Popen[str]:
         environment = {
             'PYTHONPATH': str(next(index.glob('lib/python*/site-packages'))),
             'PATH': f'{Path(sys.executable).parent}:{os.environ["PATH"]}',
-            'ROS_DOMAIN_ID': '98',
+            'ROS_DOMAIN_ID': str(domain),
             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
         }
         return subprocess.Popen(

@@ -203,10 +203,10 @@ def test_every_launch_argument_is_in_the_readme(file: str) -> None:
 
 @pytest.mark.skipif(shutil.which('ros2') is None, reason='needs ros2cli, which PyPI has not')
 @pytest.mark.xdist_group('processes')
-def test_ros2_launch_carries_out_and_refuses_to_repeat(tmp_path: Path) -> None:
+def test_ros2_launch_carries_out_and_refuses_to_repeat(tmp_path: Path, domain: int) -> None:
     """The real tools, where they are: `colcon test` on a ROS machine."""
     command = ['ros2', 'launch', 'kapitsa_ros', 'rig.launch.py', 'rate:=0', f'bags:={tmp_path}']
-    environment = os.environ | {'ROS_DOMAIN_ID': '97'}
+    environment = os.environ | {'ROS_DOMAIN_ID': str(domain)}
     first, second = (
         subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120, check=False)
         for _ in range(2)
