@@ -86,12 +86,12 @@ def read(domain: int, number: int, used: Queue[float]) -> None:
     heard: list[float] = []
     begin = 0.0
 
-    def hear(message: JointState) -> None:
+    def take(message: JointState) -> None:
         nonlocal begin
         begin = begin or time.process_time()
         heard.append(message.position[0])
 
-    node.create_subscription(JointState, 'joint_states', hear, STREAM)
+    node.create_subscription(JointState, 'joint_states', take, STREAM)
     executor = EventsExecutor()
     executor.add_node(node)
     while len(heard) < SAMPLES:
