@@ -128,7 +128,11 @@ def lamp(page: Any) -> None:
 
 def replay(page: Any) -> None:
     """Look at a place in the run."""
-    page.get_by_test_id('place').fill('11.3')
+    expect(page.get_by_test_id('fit')).to_contain_text('95 % interval', timeout=PATIENCE)
+    page.get_by_test_id('dial').fill(str(FLASHES))
+    page.keyboard.press('Enter')
+    page.get_by_test_id('place').fill('13')
+    expect(page.get_by_test_id('status')).to_contain_text('13.0 of 15.5 s · 2240 RPM', timeout=PATIENCE)
     drawn(page)
 
 
@@ -138,8 +142,9 @@ def teacher(page: Any) -> None:
 
 
 def drawn(page: Any) -> None:
-    """Wait until something is drawn."""
-    page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 3')
+    """Wait until what the page knows is drawn."""
+    frames = page.evaluate('() => Number(document.documentElement.dataset.frames || 0)')
+    page.wait_for_function('frames => Number(document.documentElement.dataset.frames) > frames + 3', arg=frames)
 
 
 def main() -> None:

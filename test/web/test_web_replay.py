@@ -4,6 +4,7 @@ import json
 import shutil
 import struct
 import subprocess
+import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -99,7 +100,17 @@ def test_a_run_is_scrubbed_stepped_and_played_in_the_page(replay: Any) -> None:
         page.goto(replay.url)
         status = page.get_by_test_id('status')
         playwright.expect(status).to_contain_text('run_01_2240rpm · 0.0 of 15.5 s')
+        playwright.expect(status).to_contain_text('0 RPM asked for')
+        held: list[Any] = []
+        released = threading.Event()
+        page.route('**/motion?*', lambda route: route.continue_() if released.is_set() else held.append(route))
         page.get_by_test_id('place').fill('11.3')
+        playwright.expect(status).to_contain_text('11.3 of 15.5 s · is being loaded')  # no angle of another time
+        page.get_by_test_id('describe').click()
+        playwright.expect(page.get_by_test_id('said')).to_contain_text('is being loaded')
+        released.set()
+        for route in held:
+            route.continue_()
         playwright.expect(status).to_contain_text('11.3 of 15.5 s · 2240 RPM')
         page.get_by_test_id('place').blur()
         page.keyboard.press('ArrowRight')

@@ -96,10 +96,9 @@ export function drawAngle(canvas, store, time, colors) {
   const seen = [];
   for (let i = 0; i <= count; i++) {
     const at = time - span + (span * i) / count;
-    const state = at >= (store.steps.length ? store.steps[0].start : Infinity) ? store.at(at) : null;
-    if (state) seen.push([i / count, state.angle]);
+    seen.push(store.covers(at) ? store.at(at).angle : null);
   }
-  const reach = Math.max(0.05, ...seen.map(([, angle]) => Math.abs(angle))) * 1.1;
+  const reach = Math.max(0.05, ...seen.map((angle) => Math.abs(angle))) * 1.1;
   const px = (part) => LEFT + part * (width - LEFT - RIGHT);
   const py = (angle) => TOP + ((reach - angle) / (2 * reach)) * (height - TOP - BOTTOM);
   pen.textAlign = 'right';
@@ -109,7 +108,12 @@ export function drawAngle(canvas, store, time, colors) {
   pen.strokeStyle = colors.accent;
   pen.lineWidth = 1.5;
   pen.beginPath();
-  seen.forEach(([part, angle], i) => (i ? pen.lineTo(px(part), py(angle)) : pen.moveTo(px(part), py(angle))));
+  seen.forEach((angle, i) => {
+    if (angle === null) return;
+    const place = [px(i / count), py(angle)];
+    if (i && seen[i - 1] !== null) pen.lineTo(...place);
+    else pen.moveTo(...place);
+  });
   pen.stroke();
 }
 

@@ -49,8 +49,12 @@ export class RecordedMotion extends Steps {
 
   // Whether the bag lacks the step of a time.
   isMissing(time) {
-    const step = this.stepAt(time);
-    return this.isThere(time) && (!step || step.start > time + 1e-6 || step.end < time - 1e-6);
+    return this.isThere(time) && !this.covers(time);
+  }
+
+  // Whether the step of a time is still on its way.
+  isComing(time) {
+    return !this.isThere(time) && !this.covers(time);
   }
 
   pieceOf(time) {

@@ -122,6 +122,13 @@ function goOn() {
 function draw() {
   const { motion } = replay;
   const time = motion.now(wall());
+  const values = { run: run().name, time: time.toFixed(1), end: run().duration.toFixed(1), rpm: asked(time).toFixed(0) };
+  if (document.activeElement !== $('place') || motion.playing) $('place').value = String(time);
+  $('place').setAttribute('aria-valuetext', `${time.toFixed(1)} s`);
+  if (run().step && motion.isComing(time)) { // what was drawn stays: it is of another time
+    put('status', say('{run} · {time} of {end} s · is being loaded …', values));
+    return;
+  }
   const missing = motion.isMissing(time) || !run().step;
   const shown = { ...run(), pace: replay.pace, paused: !motion.playing };
   drawRig($('rig'), shown, colors, missing ? { exposure: () => [] } : motion, time, exposure(motion.playing ? replay.pace : 0), null);
@@ -129,17 +136,15 @@ function draw() {
   drawScale($('scale'), replay.dial, run().graduation, colors);
   drawAngle($('angle-plot'), motion, time, colors);
   saw.follow(motion, time, shown);
-  const values = { run: run().name, time: time.toFixed(1), end: run().duration.toFixed(1), rpm: asked(time).toFixed(0) };
   put('status', missing ? say('{run} · {time} of {end} s · nothing was recorded here', values)
     : say('{run} · {time} of {end} s · {rpm} RPM asked for', values));
-  if (document.activeElement !== $('place') || motion.playing) $('place').value = String(time);
-  $('place').setAttribute('aria-valuetext', `${time.toFixed(1)} s`);
   goOn();
 }
 
 function describe() {
-  const seen = replay.motion.at(replay.motion.time);
-  if (seen) put('said', described(run().number, replay.motion.time, seen));
+  const { motion } = replay;
+  const { time } = motion;
+  put('said', motion.covers(time) ? described(run().number, time, motion.at(time)) : $('status').textContent);
 }
 
 const keys = {

@@ -1,6 +1,7 @@
 // The motion in steps, as the server sends it, and what is seen of it.
 
 const HEADER = 28; // bytes
+const EDGE = 1e-6; // s by which steps that follow one another may seem apart
 
 // The steps in a buffer, one after the other.
 export function readSteps(buffer) {
@@ -43,7 +44,13 @@ export class Steps {
     return this.steps[low] || null;
   }
 
-  // Angle (rad) and height (m) at a time; null before anything is known.
+  // Whether a time lies in one of the steps.
+  covers(time) {
+    const step = this.stepAt(time);
+    return Boolean(step) && step.start <= time + EDGE && step.end >= time - EDGE;
+  }
+
+  // Angle (rad) and height (m) at a time, that of the nearest step where none covers it; null before anything is known.
   at(time) {
     const step = this.stepAt(time);
     if (!step) return null;
