@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import resource
 import statistics
 import subprocess
 import tempfile
@@ -17,11 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from measure import REPEATS, Claim
+from measure import REPEATS, REPETITIONS, Claim, cpu_of_children, write_protocol
 
 HERE = Path(__file__).resolve().parents[1]
-REPETITIONS = (1, 25)
-"""Of the timings of 1997 in the shorter protocol and in the longer."""
 START = """
 import json, sys, time
 from kapitsa_ros.rig import Rig
@@ -53,13 +50,10 @@ class Checkout:
         """Return seconds by work."""
         with tempfile.TemporaryDirectory() as folder:
             wall, cpu, _ = self._experiment(Path(folder, 'bags'))
-            protocol = Path(folder, 'protocol.yaml')
             found = []
             for repeats in REPETITIONS:
-                speeds = ['2240 rpm', '2640 rpm', '2780 rpm']
-                protocol.write_text(yaml.safe_dump({'speeds': speeds, 'swings': 3, 'repeats': repeats}), 'utf-8')
                 bags = Path(folder, f'bags_{repeats}')
-                _, used, answer = self._experiment(bags, '--protocol', str(protocol))
+                _, used, answer = self._experiment(bags, '--protocol', write_protocol(folder, repeats))
                 found.append((used, steps_in(bags), answer['realtime_factor']))
         (short_cpu, short_steps, _), (long_cpu, long_steps, factor) = found
         how = json.dumps({'composed': True} if self.composed else {})
@@ -70,9 +64,9 @@ class Checkout:
     def _experiment(self, bags: Path, *arguments: str) -> tuple[float, float, dict[str, Any]]:
         """Carry out an experiment; return wall and CPU time, and the answer."""
         how = ['--composed'] if self.composed else []
-        begin, before = time.perf_counter(), _cpu_of_children()
+        begin, before = time.perf_counter(), cpu_of_children()
         output = self._output('kapitsa', 'experiment', '--json', '--bags', str(bags), *arguments, *how)
-        return time.perf_counter() - begin, _cpu_of_children() - before, json.loads(output)
+        return time.perf_counter() - begin, cpu_of_children() - before, json.loads(output)
 
     def _output(self, program: str, *arguments: str) -> bytes:
         command = [str(self.folder / '.venv' / 'bin' / program), *arguments]
@@ -83,11 +77,6 @@ def steps_in(bags: Path) -> int:
     """Return how many steps were recorded: no topic has more messages than one a step."""
     files = [yaml.safe_load(path.read_text('utf-8'))['rosbag2_bagfile_information'] for path in bags.rglob('*.yaml')]
     return sum(max(topic['message_count'] for topic in file['topics_with_message_count']) for file in files)
-
-
-def _cpu_of_children() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 def main() -> None:

@@ -7,14 +7,12 @@ is what others would do: one JointState a sample, through as many nodes, as proc
 from __future__ import annotations
 
 import json
-import resource
 import statistics
 import tempfile
 from pathlib import Path
 
 import joint_state_peer
-import yaml
-from measure import REPEATS, Claim
+from measure import REPEATS, REPETITIONS, Claim, cpu_of_children, write_protocol
 
 from kapitsa_ros.network.registry import PIVOT, ROLE_NAMES
 from kapitsa_ros.recording.reader import RunBag
@@ -22,8 +20,6 @@ from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.session import watch
 from kapitsa_ros.rig.setup import Setup, parameters
 
-REPETITIONS = (1, 25)
-"""Of the timings of 1997 in the shorter protocol and in the longer."""
 SAMPLES_A_STEP = 100
 
 
@@ -57,22 +53,14 @@ def main() -> None:
 
 def measured(repetitions: int, *, composed: bool) -> tuple[float, int, float]:
     """Carry out the protocol of 1997 with so many timings a speed; return CPU time, steps and the real-time factor."""
-    before = _cpu_of_children()
+    before = cpu_of_children()
     with tempfile.TemporaryDirectory() as folder:
-        protocol = Path(folder, 'protocol.yaml')
-        speeds = ['2240 rpm', '2640 rpm', '2780 rpm']
-        protocol.write_text(yaml.safe_dump({'speeds': speeds, 'swings': 3, 'repeats': repetitions}), encoding='utf-8')
-        setup = Setup(protocol=str(protocol), bags=Path(folder, 'bags'))
+        setup = Setup(protocol=write_protocol(folder, repetitions), bags=Path(folder, 'bags'))
         with fork_server():
             monitor = watch(ROLE_NAMES, parameters(setup), lambda _: None, composed=composed)
-        cpu = _cpu_of_children() - before
+        cpu = cpu_of_children() - before
         steps = sum(len(list(RunBag(bag).raw(PIVOT.name))) for bag in setup.bags.iterdir())
     return cpu, steps, monitor.realtime_factor
-
-
-def _cpu_of_children() -> float:
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
 
 
 if __name__ == '__main__':

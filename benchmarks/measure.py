@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import json
+import resource
 import statistics
 import time
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
+
+import yaml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 REPEATS = 5
+REPETITIONS = (1, 25)
+"""Of the timings of 1997 in a shorter protocol and in a longer: the difference is without the start."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,3 +58,17 @@ def cpu(*works: Callable[[], object]) -> list[float]:
             work()
             record.append(time.process_time() - start)
     return [statistics.median(record) for record in times]
+
+
+def cpu_of_children() -> float:
+    """Return the CPU time of all processes that this one has started and that have ended, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def write_protocol(folder: str, repetitions: int) -> str:
+    """Write the protocol of 1997 with so many timings a speed; return the path."""
+    protocol = Path(folder, f'protocol_{repetitions}.yaml')
+    speeds = ['2240 rpm', '2640 rpm', '2780 rpm']
+    protocol.write_text(yaml.safe_dump({'speeds': speeds, 'swings': 3, 'repeats': repetitions}), encoding='utf-8')
+    return str(protocol)

@@ -21,7 +21,7 @@ EXECUTABLES = {
 }  # fmt: skip
 CHECKOUT = Path(__file__).parents[1]
 
-pytestmark = pytest.mark.xdist_group('install')  # once
+pytestmark = pytest.mark.xdist_group('install')  # it is installed once, for all
 
 
 @pytest.fixture(scope='module')

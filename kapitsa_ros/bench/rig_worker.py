@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _TOPICS = tuple(topic.name for topic in RECORDED if topic is not COMMAND)
 """That a person sees something of: what was commanded they know."""
 _AWAITED = tuple(name for name in _TOPICS if name != PIVOT.name)
-"""A step's pivot is there when its pendulum comes, or waits for the next."""
+"""That end a wait: the pivot of a step comes before its pendulum, and where not, it is taken with what comes next."""
 LISTEN = 1.0
 """Seconds for which news is waited for; an order ends the wait."""
 GRACE = 3.0

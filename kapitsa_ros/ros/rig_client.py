@@ -68,6 +68,7 @@ class RigClient(ListenerNode):
         self._woken = False
         """Whether `news` is readable: to say so again would be a system call a message."""
         self._heeded: frozenset[str] | None = None
+        """Topics whose messages make `news` readable; None: all, their silence too."""
         super().__init__(CLIENT.name, domain)
         for topic in TOPICS:
             NumberedSubscription(self._node, topic, self._taker(topic), lambda _: None, self.fail)

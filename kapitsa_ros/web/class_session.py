@@ -7,13 +7,14 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 import click
+import uvloop
 
 from kapitsa_ros.rig.environment import use_slow_heartbeats
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_server import class_application
 from kapitsa_ros.web.classroom import Classroom
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
 
 if TYPE_CHECKING:
     import socket
@@ -67,4 +68,4 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
             click.echo(f'{handed_in} of {len(room.benches)} have handed in; books and runs are in {folder}')
 
     with alone_in(folder), closing(listen(host, port)) as listening:
-        run(serve(listening))
+        uvloop.run(serve(listening))

@@ -7,11 +7,12 @@ from contextlib import closing
 from typing import TYPE_CHECKING, Any
 
 import click
+import uvloop
 
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.recorded_runs import RecordedRuns
 from kapitsa_ros.web.replay_server import replay_application
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
 
 if TYPE_CHECKING:
     import socket
@@ -70,4 +71,4 @@ def serve_replay(
         await cancelled(asked_to_leave)
 
     with closing(listen(host, port)) as listening:
-        run(serve(listening))
+        uvloop.run(serve(listening))

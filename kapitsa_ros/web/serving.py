@@ -8,16 +8,15 @@ import signal
 import socket
 import webbrowser
 from contextlib import asynccontextmanager, contextmanager, suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import uvicorn
-import uvloop
 
 from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.web.protocol import LARGEST_FRAME
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Coroutine, Iterator
+    from collections.abc import AsyncIterator, Iterator
 
     from starlette.types import ASGIApp
 
@@ -47,12 +46,6 @@ def listen(host: str, port: int | None) -> socket.socket:
             if each == wanted[-1]:
                 raise UsageError(f'{host}, port {each}: cannot be listened on ({error.strerror or error})') from error
     raise AssertionError
-
-
-def run(serve: Coroutine[Any, Any, None]) -> None:
-    """Run a server to its end, in libuv's event loop: with Python's own it takes a quarter more CPU time."""
-    with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
-        runner.run(serve)
 
 
 async def open_in_browser(url: str) -> None:

@@ -7,6 +7,7 @@ from contextlib import closing
 from typing import TYPE_CHECKING
 
 import click
+import uvloop
 
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
 from kapitsa_ros.bench.notebook import Notebook
@@ -15,7 +16,7 @@ from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.bench_setup import BenchSetup
 from kapitsa_ros.web.server import application
-from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, run, serving
+from kapitsa_ros.web.serving import Leaving, cancelled, listen, open_in_browser, serving
 from kapitsa_ros.web.web_bench import WebBench
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
             print_what_is_left(bench.folders, bench.state.notebook)
 
     with closing(listen(host, port)) as listening:
-        run(serve(listening))
+        uvloop.run(serve(listening))
 
 
 async def _serve(bench: WebBench, access: Access, listening: socket.socket, leaving: Leaving) -> None:

@@ -96,7 +96,7 @@ export function drawAngle(canvas, store, time, colors) {
   const seen = [];
   for (let i = 0; i <= count; i++) {
     const at = time - span + (span * i) / count;
-    seen.push(store.covers(at) ? store.at(at).angle : null);
+    seen.push(store.at(at)?.angle ?? null);
   }
   const reach = Math.max(0.05, ...seen.map((angle) => Math.abs(angle))) * 1.1;
   const px = (part) => LEFT + part * (width - LEFT - RIGHT);

@@ -142,9 +142,9 @@ function draw() {
 }
 
 function describe() {
-  const { motion } = replay;
-  const { time } = motion;
-  put('said', motion.covers(time) ? described(run().number, time, motion.at(time)) : $('status').textContent);
+  const { time } = replay.motion;
+  const seen = replay.motion.at(time);
+  put('said', seen ? described(run().number, time, seen) : $('status').textContent);
 }
 
 const keys = {

@@ -50,10 +50,10 @@ export class Steps {
     return Boolean(step) && step.start <= time + EDGE && step.end >= time - EDGE;
   }
 
-  // Angle (rad) and height (m) at a time, that of the nearest step where none covers it; null before anything is known.
+  // Angle (rad) and height (m) at a time; null where no step has it.
   at(time) {
+    if (!this.covers(time)) return null;
     const step = this.stepAt(time);
-    if (!step) return null;
     const place = Math.min(Math.max((time - step.start) / step.period, 0), step.angle.length - 1);
     const before = Math.min(Math.floor(place), step.angle.length - 2);
     const part = place - before;
