@@ -15,9 +15,9 @@ from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
-from kapitsa_ros.cli.standard_streams import keep_streams_open
 from kapitsa_ros.cli.transliteration import write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
+from kapitsa_ros.standard_streams import keep_streams_open
 
 
 class _Commands(click.Group):
@@ -50,6 +50,8 @@ os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     keep_streams_open()
+    if sys.stdout is None:  # what a command finds would be lost without a word
+        _leave('stdout is closed: redirect it, to /dev/null if nothing shall be shown', WRONG_INPUT)
     interrupt_on_signals()
     write_out_unknown_signs()
     forget_useless_width()

@@ -50,6 +50,12 @@ def test_a_result_that_cannot_be_written_is_no_success() -> None:
     assert done.stderr == 'kapitsa: error: [Errno 28] No space left on device\n'
 
 
+def test_a_result_that_nobody_could_see_is_not_worked_out() -> None:
+    done = in_shell('>&-', 'theory', '--speed', '2240')
+    assert done.returncode == 2
+    assert done.stderr == 'kapitsa: error: stdout is closed: redirect it, to /dev/null if nothing shall be shown\n'
+
+
 def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:
     gone = tmp_path / 'gone'
     gone.mkdir()
@@ -75,7 +81,7 @@ def test_too_few_file_descriptors_are_said(tmp_path: Path) -> None:
 @pytest.mark.parametrize('redirection', ['0<&- 2>&-', '0<&- 1>&- 2>&-'])
 def test_nothing_takes_the_place_of_a_stream_that_is_closed(redirection: str, tmp_path: Path) -> None:
     program = (
-        'import os, sys, subprocess; from kapitsa_ros.cli.standard_streams import keep_streams_open\n'
+        'import os, sys, subprocess; from kapitsa_ros.standard_streams import keep_streams_open\n'
         'keep_streams_open(); file = open(sys.argv[1], "w"); print("x", file=sys.stderr); os.write(2, b"y")\n'
         'subprocess.run([sys.executable, "-c", "import os; os.write(2, bytes(1))"], check=True)\n'
         'file.write(str(file.fileno() > 2))'
@@ -83,6 +89,14 @@ def test_nothing_takes_the_place_of_a_stream_that_is_closed(redirection: str, tm
     shell = ['/bin/sh', '-c', f'exec "$@" {redirection}', '-', sys.executable, '-c', program, str(tmp_path / 'file')]
     assert subprocess.run(shell, check=False).returncode == 0
     assert (tmp_path / 'file').read_text(encoding='utf-8') == 'True'
+
+
+@pytest.mark.parametrize('redirection', ['0<&-', '1>&-', '2>&-', '0<&- 1>&- 2>&-'])
+def test_a_node_starts_without_standard_streams(redirection: str) -> None:
+    shell = ['/bin/sh', '-c', f'exec "$@" {redirection}', '-', sys.executable, '-m', 'kapitsa_ros.nodes', 'nobody']
+    done = subprocess.run(shell, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith('kapitsa: error: node') or '2>&-' in redirection
 
 
 @pytest.mark.parametrize(('given', 'left'), [('0', None), ('-1', None), ('', None), ('x', None), ('40', '40')])
