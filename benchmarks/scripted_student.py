@@ -68,7 +68,7 @@ class Student:
         """Time swings at some speeds, and hand in what the page makes of them; after a lost link come back."""
         while not self.done:
             with suppress(ConnectionClosed, OSError):
-                async with connect(self.address, max_size=None, max_queue=None) as self.link:
+                async with connect(f'{self.address}&load=1', max_size=None, max_queue=None) as self.link:
                     self.told.clear()
                     listening = asyncio.create_task(self._listen())
                     try:

@@ -15,14 +15,17 @@ class PageClient:
     Parameters
     ----------
     key
-        By which the page is known again after a lost link.
+        By which the page is known again when it is loaded anew.
+    load
+        One loading of the page: by this it is known again after a lost link, of which the server may not know yet.
     language
         That it is told things in.
 
     """
 
-    def __init__(self, key: str, language: str) -> None:
+    def __init__(self, key: str, load: str, language: str) -> None:
         self.key = key
+        self.load = load
         self.language = language
         self._texts: dict[str, str] = {}
         self._told: dict[str, str] = {}

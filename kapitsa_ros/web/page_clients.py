@@ -21,8 +21,10 @@ class PageClients:
 
     def __init__(self) -> None:
         self._pages: list[PageClient] = []
-        self._holder: str | None = None
-        """Key of the page that works the bench."""
+        self._at_work: PageClient | None = None
+        """The page that works the bench."""
+        self._key: str | None = None
+        """Of that page, or of the last that did."""
         self._kept_until = 0.0
         """Wall time until which nobody else may work it."""
 
@@ -41,20 +43,28 @@ class PageClients:
         if len(self._pages) >= MOST_PAGES:
             raise PageRequestError('{most} pages are open at this bench already: close one', most=MOST_PAGES)
         self._pages.append(page)
+        lost = self._at_work
+        if lost is not None and (lost.key, lost.load) == (page.key, page.load):  # that its link was lost is noticed late
+            self._at_work = page
         self.hand_on(now)
 
     def leave(self, page: PageClient, now: float) -> None:
         """Let a page go."""
         self._pages.remove(page)
-        if page.key == self._holder:
+        if page is self._at_work:
+            self._at_work = None
             self._kept_until = now + RETURN if self._pages else now  # who comes to an empty bench need not wait
+            self.hand_on(now)
 
     def hand_on(self, now: float) -> None:
-        """Give the bench to the oldest page, where the one that worked it did not come back."""
-        keys = [page.key for page in self._pages]
-        if keys and self._holder not in keys and now >= self._kept_until:
-            self._holder = keys[0]
+        """Give the bench back to the page that worked it, or, where that did not come back, to the oldest."""
+        if self._at_work is not None:
+            return
+        returned = [page for page in self._pages if page.key == self._key]
+        candidates = returned or (self._pages if now >= self._kept_until else [])
+        if candidates:
+            self._at_work, self._key = candidates[0], candidates[0].key
 
     def works(self, page: PageClient) -> bool:
         """Whether a page works the bench; of two with one key (a tab that was doubled) the older one does."""
-        return page.key == self._holder and next(each for each in self._pages if each.key == page.key) is page
+        return page is self._at_work

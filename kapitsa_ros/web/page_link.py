@@ -33,7 +33,8 @@ async def serve_page(bench: WebBench, socket: WebSocket) -> None:
     """Serve a page until its link is closed."""
     query = socket.query_params
     language = choose_language(query.get('lang'), socket.headers.get('accept-language', ''))
-    page = PageClient(query.get('key', '')[:_LONGEST_KEY] or f'{id(socket)}', language)
+    key, load = (query.get(name, '')[:_LONGEST_KEY] or f'{id(socket)}' for name in ('key', 'load'))
+    page = PageClient(key, load, language)
     await socket.accept()
     try:
         bench.pages.join(page, time.monotonic())

@@ -217,7 +217,7 @@ def test_time_stands_still_where_nobody_looks_and_goes_on_for_who_comes_back(
     bench = asyncio.run(sit())
     monkeypatch.setattr(StudentBench, 'runs', True)
     bench.controls = Controls()
-    page, now = PageClient('a', 'en'), time.monotonic()
+    page, now = PageClient('a', 'load', 'en'), time.monotonic()
     stands_still = []
     for moment in (0.0, SLEEP_AFTER - 1.0, SLEEP_AFTER + 1.0, SLEEP_AFTER + 2.0):
         bench.look_after(now + moment)

@@ -132,6 +132,20 @@ def test_after_a_lost_link_run_and_book_are_the_same(bench: Any, page: Any, link
     again.close()
 
 
+def test_a_page_that_comes_back_before_its_lost_link_is_noticed_works(
+    bench: Any, link_to: Callable[..., Any]
+) -> None:
+    lost = link_to(bench, 'three', load='first')
+    lost.until(lambda: 'rig' in lost.told and lost.works())
+    again = link_to(bench, 'three', load='first')
+    again.until(lambda: again.told.get('rig') and again.works())
+    again.ask('angle', 0.3)
+    again.until(lambda: again.told['knobs']['angle'] == 0.3)
+    lost.until(lambda: not lost.works())
+    for page in (lost, again):
+        page.close()
+
+
 @pytest.mark.parametrize('headers', [{'Origin': 'http://evil.example'}, {'Host': 'evil.example'}])
 def test_a_forged_origin_or_name_is_refused(bench: Any, headers: dict[str, str]) -> None:
     origin, host = headers.get('Origin'), headers.get('Host')

@@ -90,7 +90,7 @@ def test_requests_are_bounded_and_a_pause_makes_up_for_it() -> None:
 
 
 def test_a_page_that_reads_slowly_misses_steps_and_gets_the_newest_of_each_report() -> None:
-    page = PageClient('a', 'en')
+    page = PageClient('a', 'load of a', 'en')
     for count in range(10_000):
         page.show(count.to_bytes(2, 'little'))
         page.tell('knobs', str(count))
@@ -103,31 +103,36 @@ def test_a_page_that_reads_slowly_misses_steps_and_gets_the_newest_of_each_repor
 
 
 def test_one_page_works_the_bench_and_gets_it_back_after_a_lost_link() -> None:
-    pages, first, second = PageClients(), PageClient('a', 'en'), PageClient('b', 'en')
+    pages, first, second = PageClients(), PageClient('a', 'load of a', 'en'), PageClient('b', 'load of b', 'en')
     pages.join(first, 0.0)
     pages.join(second, 1.0)
     assert (pages.works(first), pages.works(second)) == (True, False)
     pages.leave(first, 2.0)
     pages.hand_on(3.0)
     assert not pages.works(second)
-    again = PageClient('a', 'en')
+    again = PageClient('a', 'load of a', 'en')
     pages.join(again, 4.0)
     assert (pages.works(again), pages.works(second)) == (True, False)
     pages.leave(again, 5.0)
     pages.hand_on(9.0)
     assert pages.works(second)
     pages.leave(second, 10.0)
-    third = PageClient('e', 'en')
+    third = PageClient('e', 'load of e', 'en')
     pages.join(third, 10.0)  # an empty bench
     assert pages.works(third)
     second = third
-    doubled = PageClient('e', 'en')
+    doubled = PageClient('e', 'another load of e', 'en')
     pages.join(doubled, 9.0)
     assert (pages.works(second), pages.works(doubled)) == (True, False)
+    returned = PageClient('e', 'load of e', 'en')
+    pages.join(returned, 9.0)
+    assert [pages.works(each) for each in (second, doubled, returned)] == [False, False, True]
+    pages.leave(second, 9.0)  # that it was lost is noticed late
+    assert [pages.works(each) for each in (doubled, returned)] == [False, True]
     for _ in range(MOST_PAGES - 2):
-        pages.join(PageClient('c', 'en'), 9.0)
+        pages.join(PageClient('c', 'load of c', 'en'), 9.0)
     with pytest.raises(PageRequestError, match='pages are open'):
-        pages.join(PageClient('d', 'en'), 9.0)
+        pages.join(PageClient('d', 'load of d', 'en'), 9.0)
 
 
 @pytest.mark.parametrize(

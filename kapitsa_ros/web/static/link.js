@@ -2,6 +2,9 @@
 
 const AGAIN = 500; // ms
 
+const randomName = () =>
+  Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+
 export class Link {
   constructor(query, onText, onMotion, onState) {
     this.onText = onText;
@@ -9,11 +12,12 @@ export class Link {
     this.onState = onState;
     let key = sessionStorage.getItem('bench-key');
     if (!key) {
-      key = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+      key = randomName();
       sessionStorage.setItem('bench-key', key);
     }
     const asked = new URLSearchParams(query);
     asked.set('key', key);
+    asked.set('load', randomName()); // a doubled tab has the same key
     asked.set('lang', document.documentElement.lang);
     this.address = `${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/bench?${asked}`;
     this.open();
