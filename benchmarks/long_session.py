@@ -1,0 +1,98 @@
+"""A long session: CPU time and memory of each node from its first minute to its last, missed deadlines and gaps.
+
+Prints a JSON object a node, and one of the session.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from measure import write_protocol
+
+from kapitsa_ros.network.registry import ROLE_NAMES
+from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig.fork_server_process import fork_server
+from kapitsa_ros.rig.session import watch
+from kapitsa_ros.rig.setup import Setup, parameters
+
+TIMING = 9.0
+"""Simulated seconds that the timings of 1997 take on the mean, three speeds together."""
+SETTLED = 10.0
+"""Simulated seconds after which all that is loaded once is loaded."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Usage:
+    """What a process has used so far."""
+
+    cpu_s: float
+    memory_mb: float
+    """Shared pages by their share."""
+
+
+def usage_of(pid: int) -> Usage:
+    """Return what a process has used."""
+    fields = Path(f'/proc/{pid}/stat').read_text(encoding='utf-8').rpartition(')')[2].split()
+    lines = Path(f'/proc/{pid}/smaps_rollup').read_text(encoding='utf-8').splitlines()
+    [pss] = [int(line.split()[1]) for line in lines if line.startswith('Pss:')]
+    return Usage(cpu_s=(int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK'), memory_mb=pss / 1024)
+
+
+def nodes_of(server: int) -> dict[str, int]:
+    """Return the processes that were forked from a server, by the role that is their name."""
+    children = Path(f'/proc/{server}/task/{server}/children').read_text(encoding='utf-8').split()
+    return {Path(f'/proc/{pid}/comm').read_text(encoding='utf-8').strip(): int(pid) for pid in children}
+
+
+def main() -> None:
+    """Print what a session of some length takes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--rate', type=float, default=1.0, help='simulated over wall seconds; 0: as fast as it can')
+    parser.add_argument('--simulated', type=float, default=600.0, help='seconds, roughly')
+    arguments = parser.parse_args()
+    usages: list[tuple[float, dict[str, Usage]]] = []
+    said: dict[str, str] = {}
+    with tempfile.TemporaryDirectory() as folder, fork_server() as server:
+
+        def look(progress: dict[str, str]) -> None:
+            said.update(progress)
+            simulated = float(progress['simulated_s'])
+            if simulated < SETTLED or progress['session_over'] == 'True':
+                return
+            usages[1:] = [(simulated, {role: usage_of(pid) for role, pid in nodes_of(server.pid).items()})]
+
+        protocol = write_protocol(folder, max(1, round(arguments.simulated / TIMING)))
+        setup = Setup(protocol=protocol, rate=arguments.rate, bags=Path(folder, 'bags'))
+        began = time.monotonic()
+        watch(ROLE_NAMES, parameters(setup), look)
+        wall = time.monotonic() - began
+        counts = [RunBag(bag).motion_counts for bag in setup.bags.iterdir()]
+        (first, before), (last, after) = usages
+        for role in ROLE_NAMES:
+            taken = {
+                'node': role,
+                'cpu_ms_a_simulated_s': 1e3 * (after[role].cpu_s - before[role].cpu_s) / (last - first),
+                'memory_mb': [before[role].memory_mb, after[role].memory_mb],
+            }
+            print(json.dumps(taken), flush=True)
+    print(
+        json.dumps(
+            {
+                'simulated_s': float(said['simulated_s']),
+                'wall_s': wall,
+                'deadline_misses': int(said['deadline_misses']),
+                'samples': sum(samples for samples, _ in counts),
+                'gaps': sum(gaps for _, gaps in counts),
+            }
+        )
+    )
+
+
+if __name__ == '__main__':
+    main()
