@@ -153,6 +153,30 @@ def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Pa
     assert all(row['coulomb'] == 8.0 and row['omega_crit_rpm'] is None for row in failed)
 
 
+@pytest.mark.slow
+def test_a_campaign_killed_ten_times_at_random_moments_gives_the_same_file(tmp_path: Path) -> None:
+    whole, cut = tmp_path / 'whole.parquet', tmp_path / 'cut.parquet'
+    rng = np.random.default_rng(1997)
+    ranges = written(tmp_path, factors={'preset': ['ideal', 'as_built_1997']}, experiments=400)
+    kr.campaign(ranges=ranges, output=whole)
+    parts = cut.with_name(f'{cut.name}.parts')
+    for kill in range(10):
+        kept = len(list(parts.glob('*.parquet')))
+        command = [sys.executable, '-m', 'kapitsa_ros', 'campaign', '--ranges', str(ranges), '--output', str(cut)]
+        resumed = ['--resume'] if parts.exists() else []
+        with subprocess.Popen([*command, *resumed], start_new_session=True, stderr=subprocess.DEVNULL) as program:
+            while kill % 2 and len(list(parts.glob('*.parquet'))) == kept:  # else it may be killed before it is at work
+                assert program.poll() is None
+            with pytest.raises(subprocess.TimeoutExpired):  # else there is nothing left to kill
+                program.wait(rng.uniform(0.0, 1.0 if kill % 2 else 5.0))
+            os.killpg(program.pid, signal.SIGKILL)
+    assert not cut.exists()
+    assert len(list(parts.glob('*.parquet'))) >= 5
+    kr.campaign(ranges=ranges, output=cut, resume=True)
+    assert parquet.read_table(cut).equals(parquet.read_table(whole), check_metadata=True)
+    assert not parts.exists()
+
+
 def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     output = tmp_path / 'campaign.parquet'
     kr.campaign(experiments=1, output=output)

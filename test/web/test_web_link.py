@@ -132,9 +132,7 @@ def test_after_a_lost_link_run_and_book_are_the_same(bench: Any, page: Any, link
     again.close()
 
 
-def test_a_page_that_comes_back_before_its_lost_link_is_noticed_works(
-    bench: Any, link_to: Callable[..., Any]
-) -> None:
+def test_a_page_that_comes_back_before_its_lost_link_is_noticed_works(bench: Any, link_to: Callable[..., Any]) -> None:
     lost = link_to(bench, 'three', load='first')
     lost.until(lambda: 'rig' in lost.told and lost.works())
     again = link_to(bench, 'three', load='first')
