@@ -24,6 +24,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+import uvloop
 from scripted_student import Student
 
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -191,7 +192,7 @@ def main() -> None:
         folder.mkdir(parents=True, exist_ok=True)
         server = Server(folder, arguments.students, arguments.seed, arguments.rate)
         try:
-            found = asyncio.run(class_at_work(server, arguments))
+            found = uvloop.run(class_at_work(server, arguments))
             server.process.send_signal(signal.SIGINT)
             server.process.communicate(timeout=60)
         finally:

@@ -57,6 +57,8 @@ class Student:
     rng: np.random.Generator
     speeds: int
     told: dict[str, dict[str, Any]] = field(default_factory=dict)
+    came: asyncio.Event = field(default_factory=asyncio.Event)
+    """Set with each frame."""
     blocks: asyncio.Queue[tuple[float, float, NDArray[np.float64]]] = field(default_factory=asyncio.Queue)
     progress: list[tuple[float, float]] = field(default_factory=list)
     """Wall time and end of each step of the motion."""
@@ -68,7 +70,8 @@ class Student:
         """Time swings at some speeds, and hand in what the page makes of them; after a lost link come back."""
         while not self.done:
             with suppress(ConnectionClosed, OSError):
-                async with connect(f'{self.address}&load=1', max_size=None, max_queue=None) as self.link:
+                linked = connect(f'{self.address}&load=1', max_size=None, max_queue=None, compression=None)
+                async with linked as self.link:
                     self.told.clear()
                     listening = asyncio.create_task(self._listen())
                     try:
@@ -83,6 +86,7 @@ class Student:
 
     async def _listen(self) -> None:
         async for frame in self.link:
+            self.came.set()
             if isinstance(frame, str):
                 report = json.loads(frame)
                 self.told[report['kind']] = report
@@ -97,12 +101,10 @@ class Student:
 
     async def _until(self, true: Any) -> None:
         while not true():
-            await self._next_or_wait()
-
-    async def _next_or_wait(self) -> None:
-        with suppress(TimeoutError):
-            async with asyncio.timeout(0.05):  # `wait_for` of Python 3.11 may lose a cancellation
-                await self.blocks.get()
+            self.came.clear()
+            await self.came.wait()
+        while not self.blocks.empty():  # nobody timed them
+            self.blocks.get_nowait()
 
     async def _laboratory(self) -> None:
         await self._until(lambda: 'class' in self.told)

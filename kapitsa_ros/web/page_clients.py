@@ -44,8 +44,8 @@ class PageClients:
             raise PageRequestError('{most} pages are open at this bench already: close one', most=MOST_PAGES)
         self._pages.append(page)
         lost = self._at_work
-        if lost is not None and (lost.key, lost.load) == (page.key, page.load):  # that its link was lost is noticed late
-            self._at_work = page
+        if lost is not None and (lost.key, lost.load) == (page.key, page.load):
+            self._at_work = page  # that the other link is lost will be noticed later
         self.hand_on(now)
 
     def leave(self, page: PageClient, now: float) -> None:

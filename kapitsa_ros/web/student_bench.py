@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.web.class_folder import BenchFolder
     from kapitsa_ros.web.page_client import PageClient
 
-STEPS = StepParameters(step=0.2, in_flight=2)
-"""Half as many messages as by default, as a class has many rigs, and as long from a request to what comes of it."""
+STEPS = StepParameters(step=0.4, in_flight=1)
+"""A quarter of the messages, as a class has many rigs, and as much time in flight as by default."""
 SLEEP_AFTER = 20.0
 """Wall seconds without a page after which time stands still at a bench."""
 MOST_HAND_INS = 100

@@ -55,16 +55,16 @@ def test_bags_and_results_are_those_of_seven_processes(
 
 
 def test_longer_steps_are_as_good_and_take_fewer_messages(tmp_path: Path) -> None:
-    with Rig(bags=tmp_path, composed=True, steps=StepParameters(step=0.2, in_flight=2)) as rig:
+    with Rig(bags=tmp_path, composed=True, steps=StepParameters(step=0.4, in_flight=1)) as rig:
         rig.request_speed(2500)
-        rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.size == 201)
+        rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.size == 401)
         rig.release(0.1)
         rig.wait_for('pendulum/motion', lambda motion: motion.position[-1] < 0, PATIENCE)
         rig.reset()
         rig.wait_for('pendulum/motion', timeout=PATIENCE)  # of the next run: the bag of this one is complete
     bag = RunBag(min(tmp_path.iterdir()))
     assert bag.complete
-    assert bag.motion.angle.size == 1 + 200 * (sum(1 for _ in bag.raw('pendulum/motion')) - 1)  # and its end
+    assert bag.motion.angle.size == 1 + 400 * (sum(1 for _ in bag.raw('pendulum/motion')) - 1)  # and its end
     assert verify_run(bag).identical
 
 
