@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.physics.plant import Plant
+
+STEPS = StepParameters(step=0.2, in_flight=2)
+"""Half of the messages, which are what a server's time goes into, and as much time in flight as by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +42,7 @@ class BenchSetup:
 
     composed: bool = False
     """Whether the nodes share one process."""
-    steps: StepParameters = field(default_factory=StepParameters)
+    steps: StepParameters = STEPS
 
     def seed_of_rig(self, number: int) -> int:
         """Return the seed of a rig, from 1: its runs count anew, and are not to repeat the chance of those before."""

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.web.page_client import PageClient
 
 STEPS = StepParameters(step=0.4, in_flight=1)
-"""A quarter of the messages, as a class has many rigs, and as much time in flight as by default."""
+"""Half of the messages of a single bench, as a class has many, and as much time in flight."""
 SLEEP_AFTER = 20.0
 """Wall seconds without a page after which time stands still at a bench."""
 MOST_HAND_INS = 100

@@ -10,6 +10,7 @@ import pytest
 from kapitsa_ros.configuration.tables import read_timings
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.units import RPM
+from kapitsa_ros.web.bench_setup import STEPS
 
 pytest.importorskip('starlette')
 playwright = pytest.importorskip('playwright.sync_api', reason='the browser tests need playwright: make setup')
@@ -24,7 +25,7 @@ OFFLINE = (
 )
 PATIENCE = 180_000
 SPEEDS = {2240: 12, 2640: 10, 2780: 9}
-"""RPM, and tenths of a second that two swings take there, nearly."""
+"""RPM, and steps of the rig that four swings take there, nearly."""
 pytestmark = [
     pytest.mark.xdist_group('web'),
     pytest.mark.skipif(CHROMIUM is None, reason='no chromium here: apt install chromium'),
@@ -112,8 +113,8 @@ def begin_run(page: Any) -> int:
     return run + 1
 
 
-def measure(page: Any, rpm: int, tenths: int) -> None:
-    """Find the speed with the lamp and time two swings, at a rig that is stepped for the watch's sake."""
+def measure(page: Any, rpm: int, steps: int) -> None:
+    """Find the speed with the lamp and time four swings, at a rig that is stepped for the watch's sake."""
     the(page, 'pace').select_option('16')
     the(page, 'speed').fill(str(rpm))
     page.keyboard.press('Enter')
@@ -145,11 +146,11 @@ def measure(page: Any, rpm: int, tenths: int) -> None:
     wait_drawn(page)
     page.keyboard.press('Space')
     begun = seconds(page)
-    for _ in range(tenths):
+    for _ in range(steps):
         page.keyboard.press('n')
-    wait_seconds(page, round(begun + 0.1 * tenths, 1) - 0.01)
+    wait_seconds(page, round(begun + STEPS.step * steps, 1) - 0.01)
     page.keyboard.press('Space')
-    wait_text(page, 'period', f'{tenths / 20:.3f} s')
+    wait_text(page, 'period', f'{steps / 20:.3f} s')
     page.keyboard.press('w')
     wait_text(page, 'messages', 'written down')
     page.keyboard.press('p')
@@ -161,16 +162,16 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
 ) -> None:
     page = open_page()
     runs = []
-    the(page, 'swings').fill('2')
+    the(page, 'swings').fill('4')
     page.keyboard.press('Enter')
     page.keyboard.press('Escape')
-    for rpm, tenths in SPEEDS.items():
+    for rpm, steps in SPEEDS.items():
         runs.append(begin_run(page))
-        measure(page, rpm, tenths)
+        measure(page, rpm, steps)
     last = begin_run(page)
     rows = [row.split('\t')[:5] for row in the(page, 'book').inner_text().splitlines()[1:]]
     assert [row[1:5] for row in rows[-3:]] == [
-        [str(run), str(rpm), f'{tenths / 20:.3f}', '2'] for run, (rpm, tenths) in zip(runs, SPEEDS.items(), strict=True)
+        [str(run), str(rpm), f'{steps / 20:.3f}', '4'] for run, (rpm, steps) in zip(runs, SPEEDS.items(), strict=True)
     ]
     wait_text(page, 'fit', '95 % interval')
     written = kapitsa('reduce', bench.folder / 'mine.csv', '--json').json
@@ -182,7 +183,7 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
     analysed = kapitsa('analyse', *bags, '--json').json
     read = [(run['speed_reading_rpm'], run['period_s']) for run in analysed['runs']]
     assert [speed for speed, _ in read] == pytest.approx(list(SPEEDS), rel=0.002)
-    assert [period for _, period in read] == pytest.approx([tenths / 20 for tenths in SPEEDS.values()], rel=0.1)
+    assert [period for _, period in read] == pytest.approx([steps / 20 for steps in SPEEDS.values()], rel=0.1)
     lines = len(the(page, 'book').inner_text().splitlines())
     page.get_by_role('button', name='strike out line 1').click()
     wait_text(page, 'book', 'struck out')
