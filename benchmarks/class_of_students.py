@@ -25,14 +25,13 @@ from typing import Any
 
 import numpy as np
 import uvloop
+from measure import cpu_of, memory_of
 from scripted_student import Student
 
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.naming import run_folders
 from kapitsa_ros.recording.reader import RunBag
-
-TICKS = os.sysconf('SC_CLK_TCK')
 
 
 class Server:
@@ -82,26 +81,14 @@ def tree(pid: int) -> list[int]:
     return found
 
 
-def cpu_seconds(pid: int) -> float:
-    """Return the CPU time of a process."""
-    fields = Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
-
-
-def memory(pids: list[int]) -> float:
-    """Return what processes take of memory, shared pages by their share, MB."""
-    lines = [Path(f'/proc/{pid}/smaps_rollup').read_text().splitlines() for pid in pids]
-    return sum(int(line.split()[1]) for each in lines for line in each if line.startswith('Pss:')) / 1024
-
-
 async def measure(server: Server, students: list[Student], seconds: float, rate: float) -> dict[str, float]:
     """Measure for a while in which all are at work."""
     pids = tree(server.process.pid)
-    before, since = {pid: cpu_seconds(pid) for pid in pids}, time.monotonic()
+    before, since = {pid: cpu_of(pid) for pid in pids}, time.monotonic()
     begun = [student.progress[-1] for student in students]
     await asyncio.sleep(seconds)
     wall = time.monotonic() - since
-    used = {pid: cpu_seconds(pid) - before[pid] for pid in pids}
+    used = {pid: cpu_of(pid) - before[pid] for pid in pids}
     lags = []
     for student, (from_wall, from_end) in zip(students, begun, strict=True):
         to_wall, to_end = student.progress[-1]
@@ -110,7 +97,7 @@ async def measure(server: Server, students: list[Student], seconds: float, rate:
     return {
         'server_cores': own / wall,
         'rigs_cores': sum(used.values()) / wall,
-        'memory_mb': memory(tree(server.process.pid)),
+        'memory_mb': sum(map(memory_of, tree(server.process.pid))),
         'processes': float(len(pids)),
         'behind': float(sum(lag > 0.02 for lag in lags)),
         'slowest_share_of_pace': 1.0 - max(lags),

@@ -7,13 +7,11 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
-from measure import write_protocol
+from measure import cpu_of, memory_of, write_protocol
 
 from kapitsa_ros.network.registry import ROLE_NAMES
 from kapitsa_ros.recording.reader import RunBag
@@ -25,23 +23,6 @@ TIMING = 9.0
 """Simulated seconds that the timings of 1997 take on the mean, three speeds together."""
 SETTLED = 10.0
 """Simulated seconds after which all that is loaded once is loaded."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Usage:
-    """What a process has used so far."""
-
-    cpu_s: float
-    memory_mb: float
-    """Shared pages by their share."""
-
-
-def usage_of(pid: int) -> Usage:
-    """Return what a process has used."""
-    fields = Path(f'/proc/{pid}/stat').read_text(encoding='utf-8').rpartition(')')[2].split()
-    lines = Path(f'/proc/{pid}/smaps_rollup').read_text(encoding='utf-8').splitlines()
-    [pss] = [int(line.split()[1]) for line in lines if line.startswith('Pss:')]
-    return Usage(cpu_s=(int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK'), memory_mb=pss / 1024)
 
 
 def nodes_of(server: int) -> dict[str, int]:
@@ -56,7 +37,7 @@ def main() -> None:
     parser.add_argument('--rate', type=float, default=1.0, help='simulated over wall seconds; 0: as fast as it can')
     parser.add_argument('--simulated', type=float, default=600.0, help='seconds, roughly')
     arguments = parser.parse_args()
-    usages: list[tuple[float, dict[str, Usage]]] = []
+    usages: list[tuple[float, dict[str, tuple[float, float]]]] = []
     said: dict[str, str] = {}
     with tempfile.TemporaryDirectory() as folder, fork_server() as server:
 
@@ -65,7 +46,9 @@ def main() -> None:
             simulated = float(progress['simulated_s'])
             if simulated < SETTLED or progress['session_over'] == 'True':
                 return
-            usages[1:] = [(simulated, {role: usage_of(pid) for role, pid in nodes_of(server.pid).items()})]
+            usages[1:] = [
+                (simulated, {role: (cpu_of(pid), memory_of(pid)) for role, pid in nodes_of(server.pid).items()})
+            ]
 
         protocol = write_protocol(folder, max(1, round(arguments.simulated / TIMING)))
         setup = Setup(protocol=protocol, rate=arguments.rate, bags=Path(folder, 'bags'))
@@ -75,11 +58,9 @@ def main() -> None:
         counts = [RunBag(bag).motion_counts for bag in setup.bags.iterdir()]
         (first, before), (last, after) = usages
         for role in ROLE_NAMES:
-            taken = {
-                'node': role,
-                'cpu_ms_a_simulated_s': 1e3 * (after[role].cpu_s - before[role].cpu_s) / (last - first),
-                'memory_mb': [before[role].memory_mb, after[role].memory_mb],
-            }
+            (cpu, memory), (cpu_then, memory_then) = before[role], after[role]
+            each = 1e3 * (cpu_then - cpu) / (last - first)
+            taken = {'node': role, 'cpu_ms_a_simulated_s': each, 'memory_mb': [memory, memory_then]}
             print(json.dumps(taken), flush=True)
     print(
         json.dumps(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import statistics
 import time
@@ -64,6 +65,18 @@ def cpu_of_children() -> float:
     """Return the CPU time of all processes that this one has started and that have ended, s."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
+
+
+def cpu_of(pid: int) -> float:
+    """Return the CPU time of a process so far, s."""
+    fields = Path(f'/proc/{pid}/stat').read_text(encoding='utf-8').rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
+
+
+def memory_of(pid: int) -> float:
+    """Return what a process takes of memory, shared pages by their share, MB."""
+    lines = Path(f'/proc/{pid}/smaps_rollup').read_text(encoding='utf-8').splitlines()
+    return sum(int(line.split()[1]) for line in lines if line.startswith('Pss:')) / 1024
 
 
 def write_protocol(folder: str, repetitions: int) -> str:

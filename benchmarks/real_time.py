@@ -6,7 +6,6 @@ The seconds are the first argument (default 60); CPU time is of the nodes, from 
 from __future__ import annotations
 
 import json
-import os
 import sys
 import tempfile
 import time
@@ -14,6 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 import rclpy
+from measure import cpu_of
 from rclpy.context import Context
 from rclpy.experimental import EventsExecutor
 from rclpy.node import Node
@@ -59,12 +59,12 @@ def watched(seconds: float, *, composed: bool) -> tuple[float, int, float, int]:
         rig.request_speed(2500)
         rig.wait_for('pendulum/motion')
         pids = {process.pid for process in rig.processes.values()}
-        before = sum(map(_cpu_of, pids))
+        before = sum(map(cpu_of, pids))
         frames, end = 0, time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             executor.spin_once(timeout_sec=left)
             rig.news(0.0)
-        cores = (sum(map(_cpu_of, pids)) - before) / seconds
+        cores = (sum(map(cpu_of, pids)) - before) / seconds
         misses = int(monitor.progress['deadline_misses'])
         rig.reset()
         executor.shutdown()
@@ -74,12 +74,6 @@ def watched(seconds: float, *, composed: bool) -> tuple[float, int, float, int]:
         [bag] = bags.glob('run_01_*')
         gaps = RunBag(bag).motion.gaps
     return cores, misses, frames / seconds, gaps
-
-
-def _cpu_of(pid: int) -> float:
-    """Return the CPU time of a process so far, s."""
-    fields = Path(f'/proc/{pid}/stat').read_text(encoding='utf-8').rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
 if __name__ == '__main__':
