@@ -7,12 +7,14 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from importlib.metadata import distribution
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import pytest
 from ament_index_python.packages import get_package_prefix, get_packages_with_prefixes
 
+import kapitsa_ros
 from kapitsa_ros.rig.environment import loopback
 
 EXECUTABLES = {
@@ -166,3 +168,15 @@ def test_what_is_pinned_is_pinned_by_its_hash():
     by_hash = re.findall(r'^([\w.-]+==\S+) \\\n    --hash=sha256:[0-9a-f]{64}', locked, re.MULTILINE)
     assert len(pinned) > 100
     assert sorted(by_hash) == sorted(pinned)
+
+
+def test_versions_are_told_where_the_package_is_on_the_path_alone(tmp_path: Path) -> None:
+    """As under `colcon test`, or after a clone: nodes died of metadata that were not there."""
+    for name in ('numpy', 'scipy', 'numba'):
+        [metadata] = Path(str(distribution(name).locate_file(''))).glob(f'{name}-*.dist-info')
+        (tmp_path / metadata.name).symlink_to(metadata)
+    program = 'from kapitsa_ros.versions import versions; print(versions()["kapitsa_ros"])'
+    environment = os.environ | {'PYTHONPATH': f'{tmp_path}:{CHECKOUT}'}
+    command = [sys.executable, '-S', '-c', program]  # without what is installed
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == kapitsa_ros.__version__

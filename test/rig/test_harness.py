@@ -337,6 +337,25 @@ def test_four_rigs_at_once() -> None:
             assert rig.wait_for('strobe/reading', timeout=180).speed == pytest.approx(rpm * RPM, rel=1e-8)
 
 
+@pytest.mark.slow
+def test_six_rigs_at_once_start_and_stop_ten_times(shared_memory_of: Callable[..., set[Path]]) -> None:
+    """As fast as they can: they are load enough to one another. No node dies, and nothing is left."""
+
+    def work(_: int) -> tuple[list[int], set[Path]]:
+        with Rig() as rig:
+            pids = [process.pid for process in rig.processes.values()]
+            rig.request_speed(2500)
+            rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.any(), timeout=300)
+            return pids, shared_memory_of(pids)
+
+    for _ in range(10):
+        with ThreadPoolExecutor(6) as threads:
+            left = list(threads.map(work, range(6)))
+        assert len({pid for pids, _ in left for pid in pids}) == 6 * len(registry.ROLE_NAMES)
+        assert not [pid for pids, _ in left for pid in pids if Path(f'/proc/{pid}').exists()]
+        assert not [segment for _, segments in left for segment in segments if segment.exists()]
+
+
 def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     """A protocol's run that was reset is done again, at the same speed."""
     protocol = tmp_path / 'one.yaml'
