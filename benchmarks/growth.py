@@ -16,12 +16,11 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 CAMPAIGN = """
-import resource, sys, time
+import os, resource, sys
 import kapitsa_ros as kr
-begin = time.perf_counter()
 if __name__ == '__main__':
     found = kr.campaign('ideal', experiments=int(sys.argv[1]))
-    seconds = found.efficiency * found.wall
+    seconds = found.efficiency * found.wall * len(os.sched_getaffinity(0))
     print(seconds, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
 """
 SPEED = 2500 * RPM
