@@ -165,7 +165,7 @@ def main() -> None:
     """Print what was found, as one JSON object."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--students', type=int, default=3)
-    parser.add_argument('--speeds', type=int, default=3, help='at which each times')
+    parser.add_argument('--speeds', type=int, default=3, help='at which each times, two at least')
     parser.add_argument('--rate', type=float, default=1.0)
     parser.add_argument('--kills', type=int, default=0)
     parser.add_argument('--seed', type=int, default=1)
@@ -173,6 +173,8 @@ def main() -> None:
     parser.add_argument('--patience', type=float, default=300.0, help='seconds')
     parser.add_argument('--keep', type=Path, help='folder in which class.yaml and class/ are left, for kapitsa serve')
     arguments = parser.parse_args()
+    if arguments.speeds < 2:
+        parser.error('--speeds: the fit that students hand in takes two at least')
     load = os.getloadavg()[0]
     with ExitStack() as stack:
         folder = arguments.keep or Path(stack.enter_context(TemporaryDirectory()))

@@ -1,4 +1,4 @@
-"""A long session: CPU time and memory of each node from its first minute to its last, missed deadlines and gaps.
+"""A long session: CPU time of each node, its memory at the beginning and at the end, missed deadlines and gaps.
 
 Prints a JSON object a node, and one of the session.
 """
@@ -9,6 +9,7 @@ import argparse
 import json
 import tempfile
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from measure import cpu_of, memory_of, write_protocol
@@ -46,9 +47,9 @@ def main() -> None:
             simulated = float(progress['simulated_s'])
             if simulated < SETTLED or progress['session_over'] == 'True':
                 return
-            usages[1:] = [
-                (simulated, {role: (cpu_of(pid), memory_of(pid)) for role, pid in nodes_of(server.pid).items()})
-            ]
+            with suppress(OSError):  # the nodes are leaving: the look before was the last
+                nodes = nodes_of(server.pid)
+                usages.append((simulated, {role: (cpu_of(pid), memory_of(pid)) for role, pid in nodes.items()}))
 
         protocol = write_protocol(folder, max(1, round(arguments.simulated / TIMING)))
         setup = Setup(protocol=protocol, rate=arguments.rate, bags=Path(folder, 'bags'))
@@ -56,7 +57,8 @@ def main() -> None:
         watch(ROLE_NAMES, parameters(setup), look)
         wall = time.monotonic() - began
         counts = [RunBag(bag).motion_counts for bag in setup.bags.iterdir()]
-        (first, before), (last, after) = usages
+        whole = [(at, usage) for at, usage in usages if usage.keys() == set(ROLE_NAMES)]
+        (first, before), (last, after) = whole[0], whole[-1]
         for role in ROLE_NAMES:
             (cpu, memory), (cpu_then, memory_then) = before[role], after[role]
             each = 1e3 * (cpu_then - cpu) / (last - first)

@@ -158,17 +158,19 @@ def test_a_campaign_killed_ten_times_at_random_moments_gives_the_same_file(tmp_p
     whole, cut = tmp_path / 'whole.parquet', tmp_path / 'cut.parquet'
     rng = np.random.default_rng(1997)
     ranges = written(tmp_path, factors={'preset': ['ideal', 'as_built_1997']}, experiments=400)
-    kr.campaign(ranges=ranges, output=whole)
+    undisturbed = kr.campaign(ranges=ranges, output=whole).wall
     parts = cut.with_name(f'{cut.name}.parts')
     for kill in range(10):
         kept = len(list(parts.glob('*.parquet')))
         command = [sys.executable, '-m', 'kapitsa_ros', 'campaign', '--ranges', str(ranges), '--output', str(cut)]
         resumed = ['--resume'] if parts.exists() else []
+        deadline = time.monotonic() + PATIENCE
         with subprocess.Popen([*command, *resumed], start_new_session=True, stderr=subprocess.DEVNULL) as program:
             while kill % 2 and len(list(parts.glob('*.parquet'))) == kept:  # else it may be killed before it is at work
                 assert program.poll() is None
+                assert time.monotonic() < deadline
             with pytest.raises(subprocess.TimeoutExpired):  # else there is nothing left to kill
-                program.wait(rng.uniform(0.0, 1.0 if kill % 2 else 5.0))
+                program.wait(rng.uniform(0.0, undisturbed / 20))
             os.killpg(program.pid, signal.SIGKILL)
     assert not cut.exists()
     assert len(list(parts.glob('*.parquet'))) >= 5
