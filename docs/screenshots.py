@@ -144,7 +144,8 @@ def teacher(page: Any) -> None:
 def drawn(page: Any) -> None:
     """Wait until what the page knows is drawn."""
     frames = page.evaluate('() => Number(document.documentElement.dataset.frames || 0)')
-    page.wait_for_function('frames => Number(document.documentElement.dataset.frames) > frames + 3', arg=frames)
+    page.evaluate("async () => (await import(new URL('static/page.js', location))).redraw()")
+    page.wait_for_function('frames => Number(document.documentElement.dataset.frames) > frames', arg=frames)
 
 
 def main() -> None:

@@ -57,7 +57,7 @@ def open_page(bench: Any, browser: Any) -> Iterator[Callable[..., Any]]:
         page.on('pageerror', lambda error: wrong.append(str(error)))
         page.on('console', lambda line: line.type == 'error' and wrong.append(line.text))
         page.goto(bench.url + query)
-        page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 2')
+        page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 0')
         return page
 
     yield open_
@@ -90,7 +90,8 @@ def wait_seconds(page: Any, until: float) -> None:
 def wait_drawn(page: Any) -> None:
     """Wait until what the page knows is on it."""
     drawn = page.evaluate('() => Number(document.documentElement.dataset.frames)')
-    page.wait_for_function('drawn => Number(document.documentElement.dataset.frames) > drawn + 1', arg=drawn)
+    page.evaluate("async () => (await import(new URL('static/page.js', location))).redraw()")
+    page.wait_for_function('drawn => Number(document.documentElement.dataset.frames) > drawn', arg=drawn)
 
 
 def images(page: Any) -> int:
@@ -189,7 +190,7 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
     wait_text(page, 'book', 'struck out')
     assert len(the(page, 'book').inner_text().splitlines()) == lines
     page.reload()  # in mid-run
-    page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 2')
+    page.wait_for_function('() => Number(document.documentElement.dataset.frames) > 0')
     wait_text(page, 'status', f'run {last}')
     wait_text(page, 'book', 'struck out')
     wait_text(page, 'fit', '95 % interval')
@@ -202,6 +203,30 @@ def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
     assert 'Another page works this bench' in second.get_by_role('alert').inner_text()
     playwright.expect(the(second, 'speed')).to_be_disabled()
     playwright.expect(the(first, 'speed')).to_be_enabled()
+
+
+def test_a_page_on_which_nothing_moves_draws_nothing(open_page: Callable[..., Any]) -> None:
+    page = open_page(reduced_motion='no-preference')
+    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    page.keyboard.press('p')
+    wait_text(page, 'status', 'paused')
+    count = """() => new Promise((done) => {
+        const frames = () => document.documentElement.dataset.frames;
+        const begun = frames();
+        let left = 20;
+        const frame = () => (left-- ? requestAnimationFrame(frame) : done(frames() - begun));
+        frame();
+    })"""
+    page.wait_for_function(f'async () => await ({count})() === 0')  # what was in flight has come
+    before = the(page, 'rig').screenshot()
+    page.set_viewport_size({'width': 900, 'height': 700})  # a canvas of another size is drawn again
+    assert the(page, 'rig').screenshot() != before
+    wait_drawn(page)
+    page.set_viewport_size({'width': 1000, 'height': 700})
+    wait_drawn(page)
+    assert the(page, 'rig').screenshot() == before
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Pause')
 
 
 def test_the_angle_is_drawn_only_for_who_takes_the_blindfold_off(bench: Any, open_page: Callable[..., Any]) -> None:

@@ -132,4 +132,4 @@ bindKnobs(ask, now, bench, { describe, saw });
 bindKeys(ask, now, bench, { describe });
 bindPull($('rig'), ask, bench);
 bindHandIn(ask);
-drawFrames(() => bench.rig && bench.knobs, draw);
+drawFrames(() => bench.rig && bench.knobs, () => [now(), bench.rig, bench.knobs, bench.pulled], draw);

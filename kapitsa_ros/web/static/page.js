@@ -13,8 +13,15 @@ export const query = location.search;
 export const colors = {};
 const less = matchMedia('(prefers-reduced-motion: reduce)');
 
-// Read the colours of the page, now and whenever they change; `redraw` draws what does not move.
-export function followColors(redraw) {
+let stale = true;
+
+// Draw the next frame whatever has changed or has not.
+export function redraw() {
+  stale = true;
+}
+
+// Read the colours of the page, now and whenever they change; `drawPlots` draws what is in no frame.
+export function followColors(drawPlots) {
   const read = () => {
     for (const name of ['ink', 'faint', 'line', 'accent', 'rod', 'metal']) colors[name] = color(`--${name}`);
   };
@@ -22,6 +29,7 @@ export function followColors(redraw) {
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => {
     read();
     redraw();
+    drawPlots();
   });
 }
 
@@ -30,13 +38,21 @@ export function exposure(pace) {
   return (less.matches ? STILL / 1000 : EXPOSURE) * Math.max(pace, 0.001);
 }
 
-// Draw as often as the display shows it, or now and then for those who want less motion.
-export function drawFrames(ready, draw) {
+// Draw as often as the display shows it, or now and then for those who want less motion, where one of the values of
+// `shown` is another than in the last frame: a page on which nothing moves leaves the processor to the rig.
+export function drawFrames(ready, shown, draw) {
   let drawn = 0;
   let frames = 0;
+  let last = [];
+  const observer = new ResizeObserver(redraw); // a canvas of another size is empty
+  for (const canvas of document.querySelectorAll('canvas')) observer.observe(canvas);
   const frame = (stamp) => {
     requestAnimationFrame(frame);
     if (!ready() || (less.matches && stamp - drawn < STILL)) return;
+    const values = [window.devicePixelRatio, ...shown()];
+    if (!stale && values.every((value, i) => value === last[i])) return;
+    stale = false;
+    last = values;
     drawn = stamp;
     draw();
     frames += 1;

@@ -119,9 +119,14 @@ function goOn() {
   else pause();
 }
 
+function shown() {
+  const { motion, dial, pace } = replay;
+  return [motion.now(wall()), motion, motion.steps, motion.playing, dial, pace];
+}
+
 function draw() {
   const { motion } = replay;
-  const time = motion.now(wall());
+  const { time } = motion;
   const values = { run: run().name, time: time.toFixed(1), end: run().duration.toFixed(1), rpm: asked(time).toFixed(0) };
   if (document.activeElement !== $('place') || motion.playing) $('place').value = String(time);
   $('place').setAttribute('aria-valuetext', `${time.toFixed(1)} s`);
@@ -130,12 +135,12 @@ function draw() {
     return;
   }
   const missing = motion.isMissing(time) || !run().step;
-  const shown = { ...run(), pace: replay.pace, paused: !motion.playing };
-  drawRig($('rig'), shown, colors, missing ? { exposure: () => [] } : motion, time, exposure(motion.playing ? replay.pace : 0), null);
-  drawLamp($('lamp'), shown, motion, time, replay.dial > 0, say('the lamp is off'));
+  const rig = { ...run(), pace: replay.pace, paused: !motion.playing };
+  drawRig($('rig'), rig, colors, missing ? { exposure: () => [] } : motion, time, exposure(motion.playing ? replay.pace : 0), null);
+  drawLamp($('lamp'), rig, motion, time, replay.dial > 0, say('the lamp is off'));
   drawScale($('scale'), replay.dial, run().graduation, colors);
   drawAngle($('angle-plot'), motion, time, colors);
-  saw.follow(motion, time, shown);
+  saw.follow(motion, time, rig);
   put('status', missing ? say('{run} · {time} of {end} s · nothing was recorded here', values)
     : say('{run} · {time} of {end} s · {rpm} RPM asked for', values));
   goOn();
@@ -210,5 +215,5 @@ showPace(replay.pace);
 bind();
 new ResizeObserver(() => drawFit($('fit-plot'), replay.fit, colors)).observe($('fit-plot'));
 new ResizeObserver(() => drawOverview($('overview'), run(), colors)).observe($('overview'));
-drawFrames(() => true, draw);
+drawFrames(() => true, shown, draw);
 await loadFit();
