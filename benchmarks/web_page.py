@@ -1,6 +1,7 @@
 """The page of a bench in headless Chromium: from command to motion, frames a second, and from a key to its effect.
 
-Rig, server and browser share the machine. The effect of a key is the next value of the dial, which the server tells.
+Rig, server and browser share the machine. The browser runs before the command is given, and shows an empty page: its
+own start takes as long as that of a rig. The effect of a key is the next value of the dial, which the server tells.
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 KEYS = 21
 WATCHED = 10.0
 """Wall seconds in which frames are counted."""
+IDLE = 3.0
+"""Wall seconds after which a new page of the browser itself is at rest."""
+LOOKED_EVERY = 20
+"""ms between two looks whether the page moves: asked in each frame, frames are made for it."""
 PATIENCE = 120_000
 """ms."""
 MOVES = "() => /^run 1 · (?!0\\.0 )/.test(document.getElementById('status').textContent)"
@@ -43,6 +48,10 @@ WATCH = """() => {
 @contextmanager
 def moving_page(browser: Any) -> Iterator[tuple[Any, float]]:
     """Start a bench and open its page; give the page, and the wall seconds until something moved on it."""
+    page = browser.new_page()
+    page.set_default_timeout(PATIENCE)
+    page.goto('about:blank')
+    page.wait_for_timeout(1e3 * IDLE)
     with TemporaryDirectory() as folder:
         began = time.monotonic()
         command = [sys.executable, '-m', 'kapitsa_ros', 'bench', '--web', '--no-open', '--port', '0']
@@ -51,10 +60,8 @@ def moving_page(browser: Any) -> Iterator[tuple[Any, float]]:
         try:
             assert server.stdout is not None  # noqa: S101  # it is a pipe
             address = server.stdout.readline().split()[-1]
-            page = browser.new_page()
-            page.set_default_timeout(PATIENCE)
             page.goto(address)
-            page.wait_for_function(MOVES)
+            page.wait_for_function(MOVES, polling=LOOKED_EVERY)
             yield page, time.monotonic() - began
             page.close()
         finally:

@@ -31,7 +31,7 @@ class _Commands(click.Group):
             return None
         command: click.Command = getattr(import_module(f'{commands.__name__}.{cmd_name}'), cmd_name)
         if 'numba' in sys.modules:  # else nothing is compiled
-            from kapitsa_ros.cli.compilation import announce_compilation  # noqa: PLC0415
+            from kapitsa_ros.physics.compilation import announce_compilation  # noqa: PLC0415
 
             announce_compilation()
         return command

@@ -15,9 +15,16 @@ OWN_PROCESS = object()
 
 
 @contextmanager
-def node_server() -> Iterator[None]:
-    """Fork nodes, while this lasts, from a copy of this process."""
+def node_server(*, loads_first: bool = True) -> Iterator[None]:
+    """Fork nodes, while this lasts, from a copy of this process.
+
+    Parameters
+    ----------
+    loads_first
+        Whether this process loads first what nodes need, as it needs the same. Else the copy does, beside this one.
+
+    """
     from kapitsa_ros.rig.fork_server_process import fork_server  # noqa: PLC0415  # rclpy takes its time
 
-    with fork_server(from_here=click.get_current_context().obj is OWN_PROCESS):
+    with fork_server(from_here=click.get_current_context().obj is OWN_PROCESS, loads_first=loads_first):
         yield

@@ -33,6 +33,8 @@ DESCRIPTORS = 4
 """That come with a request."""
 LONGEST = 1000
 """Bytes of a request: names of nodes."""
+LOADED = b'loaded'
+"""Said once, before the first request is taken."""
 MODULE = 'kapitsa_ros.rig.fork_server'
 """Name under which this module is run, and under which `ps` shows it."""
 
@@ -61,6 +63,8 @@ def serve_forked(requests: socket.socket) -> NoReturn:
     os.closerange(3, number)
     os.closerange(number + 1, os.sysconf('SC_OPEN_MAX'))
     setproctitle.setproctitle(' '.join([sys.executable, '-m', MODULE, str(number)]))
+    preload()
+    preload_kernels()
     with socket.socket(fileno=number) as asking:
         serve(asking)
     _leave(0)
@@ -69,9 +73,11 @@ def serve_forked(requests: socket.socket) -> NoReturn:
 def serve(requests: socket.socket) -> None:
     """Fork a node for each request, and tell how each ends, until the process that asks is gone or has no more to ask.
 
-    Nodes that still run then find that their parent is gone, and leave. One whose end nobody wants to hear of any more
-    is asked to leave.
+    First of all it is told that all is loaded. Nodes that still run at the end find that their parent is gone, and
+    leave. One whose end nobody wants to hear of any more is asked to leave.
     """
+    with suppress(BrokenPipeError):  # who asks may have left meanwhile: that is seen below
+        requests.send(LOADED)
     nodes: dict[int, tuple[int, int]] = {}
     heard: dict[int, int] = {}
     poll = select.poll()
@@ -196,13 +202,16 @@ def preload() -> None:
         load_type_supports({*types, *OF_EVERY_NODE, *OF_THOSE_THAT_KEEP_TIME})
 
 
-def preload_kernels(names: Iterable[str]) -> None:
-    """Load the kernels of those nodes that run any."""
+def preload_kernels(names: Iterable[str] | None = None) -> None:
+    """Load the kernels of those nodes that run any, or of all."""
     from kapitsa_ros.network.registry import KERNEL_NAMES  # noqa: PLC0415  # as in `preload`
 
-    for name in set(KERNEL_NAMES).intersection(names) - _with_kernels:
+    for name in set(KERNEL_NAMES).intersection(KERNEL_NAMES if names is None else names) - _with_kernels:
         # What goes wrong here goes wrong in the node, too, which can tell of it.
         with _frozen(), suppress(Exception):
+            from kapitsa_ros.physics.compilation import announce_compilation  # noqa: PLC0415  # Numba
+
+            announce_compilation()
             import_module(f'kapitsa_ros.nodes.{name}').load_kernels()
         _with_kernels.add(name)
 

@@ -10,6 +10,7 @@ import click
 import uvloop
 
 from kapitsa_ros.rig.environment import use_slow_heartbeats
+from kapitsa_ros.rig.fork_server_process import end_loading_server
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.class_folder import ClassFolder, alone_in
 from kapitsa_ros.web.class_server import class_application
@@ -60,6 +61,7 @@ def serve_class(settings: ClassSettings, folder: Path, *, host: str, port: int |
                 if open_page:
                     await open_in_browser(teacher)
                 await asyncio.wait({server, asked_to_leave}, return_when=asyncio.FIRST_COMPLETED)
+                end_loading_server()
                 await room.end()
         finally:
             await cancelled(asked_to_leave)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from contextlib import closing
+from contextlib import closing, suppress
 from typing import TYPE_CHECKING
 
 import click
@@ -12,6 +12,8 @@ import uvloop
 from kapitsa_ros.bench.bench_files import print_what_is_left, refuse_old_runs
 from kapitsa_ros.bench.notebook import Notebook
 from kapitsa_ros.rig.environment import use_slow_heartbeats
+from kapitsa_ros.rig.errors import RigError
+from kapitsa_ros.rig.fork_server_process import end_loading_server
 from kapitsa_ros.rig.preflight import make_writable
 from kapitsa_ros.web.access import Access
 from kapitsa_ros.web.bench_setup import BenchSetup
@@ -99,6 +101,10 @@ async def _serve(bench: WebBench, access: Access, listening: socket.socket, leav
         starting = asyncio.create_task(bench.start())
         try:
             await asyncio.wait({starting, asked_to_leave}, return_when=asyncio.FIRST_COMPLETED)
+            if not starting.done() and end_loading_server():
+                with suppress(RigError):
+                    await starting
+                return
             await starting
             await asyncio.wait({server, asked_to_leave}, return_when=asyncio.FIRST_COMPLETED)
         finally:

@@ -9,7 +9,7 @@ SIMULATE = ('simulate', '--speed', '2500', '--release', '0.12', '--duration', '2
 NAMED = 'kapitsa: compiling tripled, once after an installation'
 COMPILE = """
 import numba
-from kapitsa_ros.cli.compilation import announce_compilation
+from kapitsa_ros.physics.compilation import announce_compilation
 
 @numba.njit
 def doubled(value):

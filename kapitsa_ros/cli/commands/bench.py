@@ -54,10 +54,10 @@ def bench(
     folder = bags or _free_folder(table)
     book = table or folder.with_name(f'{folder.name}.csv')
     if web:
-        serve_bench = import_of_extra('kapitsa_ros.web.session', 'the bench in a browser', 'web').serve_bench
-        of_page = {'host': host, 'port': port, 'open_page': open_page}
-        with node_server():
-            serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
+        with node_server(loads_first=False):  # what nodes need is loaded beside what the page needs
+            session = import_of_extra('kapitsa_ros.web.session', 'the bench in a browser', 'web')
+            of_page = {'host': host, 'port': port, 'open_page': open_page}
+            session.serve_bench(plant, instruments, seed, rate, folder, book, composed=composed, **of_page)
     else:
         work_at_bench = import_of_extra('kapitsa_ros.bench.session', 'the bench', 'bench').work_at_bench
         work_at_bench(plant, instruments, seed, rate, folder, book, composed=composed)

@@ -34,6 +34,6 @@ def serve(*, file: Path, bags: Path | None, host: str, port: int | None, open_pa
     file, it goes on with what is in the folder, however it was ended.
     """
     settings = load_class(file)
-    session = import_of_extra('kapitsa_ros.web.class_session', 'a class', 'web')
-    with node_server():
+    with node_server(loads_first=False):  # what nodes need is loaded beside what pages need
+        session = import_of_extra('kapitsa_ros.web.class_session', 'a class', 'web')
         session.serve_class(settings, bags or Path(file.stem), host=host, port=port, open_page=open_page)
