@@ -7,7 +7,6 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from scipy.stats import qmc
 
 from kapitsa_ros.configuration import instrument_sets, presets, protocols
 from kapitsa_ros.configuration.errors import ConfigurationError
@@ -149,6 +148,8 @@ class _Interval(tuple[float, float]):
 
 
 def _latin_hypercube(factors: Mapping[str, tuple[Value, ...]], count: int, seed: int) -> list[tuple[Value, ...]]:
+    from scipy.stats import qmc  # noqa: PLC0415  # it takes a second
+
     # SciPy has renamed the argument in 1.15; a generator gives the same points under either name.
     unit = qmc.LatinHypercube(len(factors), seed=np.random.default_rng(seed)).random(count)
     columns = [
