@@ -15,6 +15,7 @@ from textual.widgets import Footer, Input, Static
 from kapitsa_ros.bench import panels
 from kapitsa_ros.bench.bench_controls import PATIENCE, BenchControls
 from kapitsa_ros.bench.help_screen import HelpScreen
+from kapitsa_ros.bench.help_text import help_text
 from kapitsa_ros.bench.keys import KEYS
 from kapitsa_ros.errors import said_of
 from kapitsa_ros.instruments.errors import InstrumentError
@@ -199,7 +200,7 @@ class BenchApp(App[RigError]):
 
     def action_guide(self) -> None:
         """Explain the keys."""
-        self.push_screen(HelpScreen())
+        self.push_screen(HelpScreen(help_text(self.state.plant)))
 
     def action_ask(self, what: str) -> None:
         """Let something be typed."""

@@ -54,6 +54,8 @@ class BenchControls:
         self._post = post
         self._on_failure, self._on_news = on_failure, on_news
         self._worker = RigWorker(rig, self)
+        self._wants_paused: bool | None = None
+        """By the last order that the rig has not answered yet."""
 
     def start(self) -> None:
         """Begin to use the rig."""
@@ -92,12 +94,15 @@ class BenchControls:
 
     def toggle_pause(self) -> None:
         """Stop time, or let it run."""
-        paused = not self._state.paused
+        paused = not (self._state.paused if self._wants_paused is None else self._wants_paused)
 
         def then() -> None:
+            if self._wants_paused == paused:  # no later order waits
+                self._wants_paused = None
             self._state.set_paused(paused=paused)
 
-        self._order((lambda rig: rig.pause()) if paused else (lambda rig: rig.resume()), then)
+        if self._order((lambda rig: rig.pause()) if paused else (lambda rig: rig.resume()), then):
+            self._wants_paused = paused
 
     def step(self) -> None:
         """Make one step of a paused rig."""
@@ -120,6 +125,8 @@ class BenchControls:
         """End the run and begin the next."""
         if self._order(lambda rig: rig.reset()):
             self._state.set_speed(0.0)
+            if self._state.paused:
+                self._state.notify('the next run begins when time goes on')
 
     def end_run(self, then: Callable[[], None]) -> None:
         """End the run, so that its bag is complete, and go on with `then` whether that succeeded or not."""
@@ -147,7 +154,12 @@ class BenchControls:
 
     def receive_refusal(self, why: Message) -> None:
         """Tell why an order was refused; called from the rig's thread."""
-        self._post(lambda: self._state.messages.append(why))
+
+        def take() -> None:
+            self._wants_paused = None
+            self._state.messages.append(why)
+
+        self._post(take)
 
     def receive_failure(self, error: RigError) -> None:
         """Tell of a rig that died; called from the rig's thread."""

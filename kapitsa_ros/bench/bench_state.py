@@ -62,6 +62,7 @@ class BenchState:
     """
 
     def __init__(self, plant: Plant, instruments: Instruments, notebook: Notebook, rate: float) -> None:
+        self.plant = plant
         self._settings = instruments.strobe
         self.lamp_dial = LampDial(instruments.strobe)
         self.notebook = notebook
@@ -260,17 +261,17 @@ class BenchState:
             if name.startswith('run '):
                 speed, period = values['speed_reading_rpm'], values['period_s']
                 self.notify(
-                    _RESULTS[speed is not None, period is not None],
+                    READ_BY_RIG[speed is not None, period is not None],
                     run=int(name.removeprefix('run ')) + self.runs_before,
                     rpm=speed,
                     period=period,
                 )
 
 
-_RESULTS = {
+READ_BY_RIG = {
     (True, True): 'run {run} is over; the rig read {rpm:.6g} RPM, a period of {period:.3f} s',
     (True, False): 'run {run} is over; the rig read {rpm:.6g} RPM, no swing',
     (False, True): 'run {run} is over; the rig read no speed, a period of {period:.3f} s',
     (False, False): 'run {run} is over; the rig read no speed, no swing',
 }
-"""By whether a speed and a period were read."""
+"""What the instruments of the rig read in a run, by whether a speed and a period were read."""

@@ -1,6 +1,12 @@
 """What the help screen says."""
 
-HELP = """\
+from __future__ import annotations
+
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+from kapitsa_ros.units import RPM
+
+_HELP = """\
 THE LABORATORY OF 1997, BY HAND
 
  1  Set the speed: ↑ ↓ by 10 RPM, PgUp PgDn by 100, s types it.
@@ -22,4 +28,14 @@ THE LABORATORY OF 1997, BY HAND
  < >  half, twice the pace of time
  q, Ctrl-C  end the run and leave
 
-Below 1353 RPM an ideal rod cannot stand.         Any key goes back."""
+Below {threshold:.0f} RPM an ideal rod cannot stand.         Any key goes back."""
+
+
+def ideal_threshold(plant: Plant) -> float:
+    """Return the critical speed of an ideal rod of a plant's length and stroke (report, eq. 8), RPM."""
+    return omega_crit_averaged(Plant(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)) / RPM
+
+
+def help_text(plant: Plant) -> str:
+    """Return what is said at the bench of a plant."""
+    return _HELP.format(threshold=ideal_threshold(plant))

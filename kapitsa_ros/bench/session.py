@@ -48,4 +48,4 @@ def work_at_bench(  # noqa: PLR0917  # the command's options
     if screen.return_code:
         raise RigError('the screen broke off')
     if not screen.hung_up:
-        print_what_is_left([bags], state.notebook)
+        print_what_is_left([bags], state.notebook, plant)

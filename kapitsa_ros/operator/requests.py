@@ -19,7 +19,8 @@ def check_speed(speed: float, max_speed: float) -> None:
     """
     if not 0 <= speed <= max_speed:
         raise RequestError(
-            'a speed of {speed} rad/s: the jigsaw does 0 to {fastest:.6g} rad/s ({rpm:.0f} RPM)',
+            'a speed of {asked:.6g} RPM ({speed:.6g} rad/s): the jigsaw does 0 to {rpm:.0f} RPM ({fastest:.6g} rad/s)',
+            asked=speed / RPM,
             speed=speed,
             fastest=max_speed,
             rpm=max_speed / RPM,

@@ -6,9 +6,10 @@ import json
 import math
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.bench.bench_state import FASTEST
+from kapitsa_ros.bench.bench_state import FASTEST, READ_BY_RIG
 from kapitsa_ros.bench.notebook import WrittenRow
 from kapitsa_ros.instruments.lamp import AFTERIMAGE
+from kapitsa_ros.message import Message
 from kapitsa_ros.web.catalogue import words_of
 from kapitsa_ros.web.reading_message import reading_message
 
@@ -28,7 +29,7 @@ def report(bench: WebBench, page: PageClient) -> dict[str, str]:
         'rig': _rig(bench, page, words),
         'book': _book(bench.state),
         'fit': bench.fit.values(words),
-        'messages': {'messages': [message.said_by(words) for message in list(bench.state.messages)[-_MESSAGES:]]},
+        'messages': {'messages': _messages(bench, words)},
     }
     return {kind: json.dumps({'kind': kind} | values, allow_nan=False) for kind, values in parts.items()}
 
@@ -59,12 +60,14 @@ def _rig(bench: WebBench, page: PageClient, words: dict[str, str]) -> dict[str, 
     state = bench.state
     readings = list(state.rig_readings) if bench.rig_readings_seen else []
     return {
+        'sitting': bench.sitting,
         'run': state.run,
         'runs': bench.runs,
         'paused': state.paused,
         'pace': state.clock.rate,
         'length': bench.setup.shown.length,
         'amplitude': bench.setup.shown.amplitude,
+        'threshold_rpm': bench.setup.threshold_rpm,
         'afterimage': AFTERIMAGE,
         'mark_width': bench.setup.instruments.strobe.mark_width,
         'works': bench.pages.works(page),
@@ -73,6 +76,16 @@ def _rig(bench: WebBench, page: PageClient, words: dict[str, str]) -> dict[str, 
         'rig_readings_seen': bench.rig_readings_seen,
         'rig_readings': [reading_message(run, reading).said_by(words) for run, reading in readings],
     }
+
+
+def _messages(bench: WebBench, words: dict[str, str]) -> list[str]:
+    newest = list(bench.state.messages)[-_MESSAGES:]
+    if not bench.rig_readings_seen:
+        of_rig = set(READ_BY_RIG.values())
+        newest = [
+            Message('run {run} is over', run=each.values['run']) if each.template in of_rig else each for each in newest
+        ]
+    return [message.said_by(words) for message in newest]
 
 
 def _book(state: BenchState) -> dict[str, Any]:

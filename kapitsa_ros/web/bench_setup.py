@@ -9,6 +9,7 @@ import numpy as np
 
 from kapitsa_ros.analysis.ruler import RULER_SIGMA
 from kapitsa_ros.bench.bench_controls import FASTEST_PACE
+from kapitsa_ros.bench.help_text import ideal_threshold
 from kapitsa_ros.configuration.step_parameters import StepParameters
 
 if TYPE_CHECKING:
@@ -49,6 +50,11 @@ class BenchSetup:
         if number == 1:
             return self.seed
         return int(np.random.SeedSequence(self.seed, spawn_key=(number,)).generate_state(1)[0])
+
+    @property
+    def threshold_rpm(self) -> float | None:
+        """Critical speed of an ideal rod like this; None where the rod is sealed."""
+        return ideal_threshold(self.plant) if self.shown is self.plant else None
 
     @property
     def scale(self) -> float:

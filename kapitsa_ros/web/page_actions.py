@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from kapitsa_ros.bench.notebook import WrittenRow
 from kapitsa_ros.errors import KapitsaError, said_of
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
 from kapitsa_ros.web.errors import PageRequestError
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.web.web_bench import WebBench
 
 MOST_LINES = 500
-"""Of the book."""
+"""Of the book, notes not counted."""
 _MOST_SWINGS, _MOST_IMAGES = 999, 9
 
 
@@ -81,7 +82,7 @@ def _clear_watch(bench: WebBench, controls: BenchControls, value: None) -> None:
 
 
 def _write_down(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
-    if len(bench.state.notebook.lines) >= MOST_LINES:
+    if sum(isinstance(line, WrittenRow) for line in bench.state.notebook.lines) >= MOST_LINES:
         raise PageRequestError('the book is full: it has {most} lines', most=MOST_LINES)
     bench.state.write_down(bench.now())
     _fit(bench)
@@ -113,11 +114,12 @@ def _show_rig_readings(bench: WebBench, controls: BenchControls, value: None) ->
 
 
 def _look_at_plot(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
-    if not bench.plot_seen:
+    if not bench.plot_seen and bench.plot_noted_in != bench.state.run:
         try:
             bench.state.notebook.note(f'run {bench.state.run}, {bench.now():.1f} s: the plot of the angle is looked at')
         except OSError as error:
             raise PageRequestError('the book cannot note that: {why}', why=said_of(error)) from error
+        bench.plot_noted_in = bench.state.run
     bench.plot_seen = not bench.plot_seen
 
 

@@ -87,7 +87,7 @@ def serve_bench(  # noqa: PLR0917  # the command's options
         leaving = Leaving()
         await _serve(bench, access, listening, leaving)
         if not leaving.hung_up:
-            print_what_is_left(bench.folders, bench.state.notebook)
+            print_what_is_left(bench.folders, bench.state.notebook, plant)
 
     with closing(listen(host, port)) as listening:
         uvloop.run(serve(listening))

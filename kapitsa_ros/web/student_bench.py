@@ -103,7 +103,7 @@ class StudentBench(WebBench):
         """Have the rig started, where there is none and nothing went wrong."""
         if self._marked is not None:
             await asyncio.shield(self._marked)
-        if self._begun is None and self.failure is None:
+        if self._begun is None and self._rig is None and self.failure is None:
             self._begun = asyncio.get_running_loop().create_task(self._begin())
 
     async def repair(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import secrets
 import time
 from collections import deque
 from contextlib import suppress
@@ -65,6 +66,10 @@ class WebBench:
         """What the rig died of; None while it lives."""
         self.plot_seen = False
         """Whether the person looks at θ(t)."""
+        self.plot_noted_in = 0
+        """The last run of which the book says so."""
+        self.sitting = secrets.token_hex(4)
+        """Tells a page that it has another bench before it, whose runs count anew."""
         self.rig_readings_seen = False
         """Whether the person looks at what the rig's own instruments read."""
         self.fit = BookFit(setup.shown, setup.amplitude_sigma, self.changed)

@@ -7,6 +7,7 @@ import os
 import pty
 import re
 import select
+import shlex
 import signal
 import struct
 import subprocess
@@ -22,6 +23,7 @@ import pytest
 
 from kapitsa_ros.analysis.errors import TableError
 from kapitsa_ros.bench.bench_clock import BenchClock
+from kapitsa_ros.bench.bench_files import print_what_is_left
 from kapitsa_ros.bench.bench_state import BenchState
 from kapitsa_ros.bench.drawing import draw_dial, draw_marks, draw_rod, draw_ruler
 from kapitsa_ros.bench.notebook import Notebook, Row
@@ -54,7 +56,7 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from kapitsa_ros.bench.app import HEIGHT, BenchApp
-from kapitsa_ros.bench.help_text import HELP
+from kapitsa_ros.bench.help_text import help_text
 
 pytestmark = pytest.mark.xdist_group('bench')
 PATIENCE = 180.0
@@ -175,6 +177,22 @@ def test_the_notebook_is_on_disk_with_every_line(tmp_path: Path):
     ]  # fmt: skip
     assert read_table(path).forcing / RPM == pytest.approx([2640])
     assert path.read_text() == book.text()
+
+
+def test_the_command_that_reduces_the_book_names_the_plant(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], kapitsa: Callable[..., Any]
+):
+    plant = Plant(amplitude=0.01016, length=0.2)
+    notebook = Notebook(tmp_path / 'mine.csv')
+    for rpm, period in ((2240, 0.7), (2640, 0.55)):
+        notebook.write_down(
+            Row(run=1, forcing_rpm=rpm, period_s=period, display_s=3 * period, swings=3, release_rad=0.12)
+        )
+    print_what_is_left([tmp_path], notebook, plant)
+    command = shlex.split(capsys.readouterr().out.partition('mine.csv: ')[2])
+    assert command[:3] == ['kapitsa', 'reduce', str(tmp_path / 'mine.csv')]
+    found = kapitsa(*command[1:], '--json').json
+    assert found['predicted_rpm'] == pytest.approx(1519.93, abs=0.01)  # (2/λ)√(gL/3)
 
 
 def test_a_notebook_overwrites_nothing(tmp_path: Path):
@@ -502,7 +520,9 @@ def test_the_screen_says_what_is_wrong(tmp_path: Path):
         await person.until(lambda: state.speed == 10)
         person.press('?')
         await person.until(lambda: len(person.app.screen_stack) == 2)
-        assert len(HELP.splitlines()) + 2 <= HEIGHT  # with its border
+        assert len(help_text(Plant()).splitlines()) + 2 <= HEIGHT  # with its border
+        assert 'Below 1353 RPM' in help_text(Plant())
+        assert 'Below 1691 RPM' in help_text(Plant(amplitude=0.01016))
         person.press('s')  # goes back, and asks nothing
         await person.until(lambda: len(person.app.screen_stack) == 1)
         assert person.app._question is None

@@ -59,7 +59,7 @@ def test_a_run_ends_before_its_day_is_over(requests: Requests) -> None:
 
 @pytest.mark.parametrize('speed', [math.nan, math.inf, -math.inf, -1.0, 500.1, 1e308])
 def test_a_speed_that_cannot_be_is_refused(operator: ManualOperator, requests: Requests, speed: float) -> None:
-    with pytest.raises(RequestError, match='0 to 500 rad/s'):
+    with pytest.raises(RequestError, match=r'0 to 4775 RPM \(500 rad/s\)'):
         requests.ask_speed(speed)
     assert commands(operator, 1) == [Command(0.0, 0.12)]
 

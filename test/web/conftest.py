@@ -56,9 +56,9 @@ class Server:
         return left
 
 
-def serve(folder: Path, name: str, *arguments: object, **options: Any) -> Server:
+def serve(folder: Path, name: str, *arguments: object, port: str = '0', **options: Any) -> Server:
     """Start a command that prints `NAME: URL` first."""
-    command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments), '--port', '0']
+    command = [sys.executable, '-m', 'kapitsa_ros', *map(str, arguments), '--port', port]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, **options)
     assert process.stdout is not None
     first = process.stdout.readline()

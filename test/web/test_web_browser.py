@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -203,6 +204,90 @@ def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
     assert 'Another page works this bench' in second.get_by_role('alert').inner_text()
     playwright.expect(the(second, 'speed')).to_be_disabled()
     playwright.expect(the(first, 'speed')).to_be_enabled()
+
+
+def test_what_is_refused_is_said_in_sight_and_does_not_stay_in_its_field(open_page: Callable[..., Any]) -> None:
+    page = open_page(viewport={'width': 390, 'height': 800})
+    playwright.expect(the(page, 'speed')).to_be_enabled(timeout=PATIENCE)
+    wait_text(page, 'status', 'run')
+    before = the(page, 'speed').input_value()
+    for name, typed, why in (
+        ('speed', '9999', 'a speed of 9999 RPM'),
+        ('images', '12', 'a count from 1 to 9'),
+        ('swings', '2.5', 'needs a whole number'),
+    ):
+        the(page, name).fill(typed)
+        page.keyboard.press('Enter')
+        wait_text(page, 'said', why)
+        playwright.expect(the(page, 'said')).to_be_in_viewport()
+        page.keyboard.press('Escape')
+        playwright.expect(the(page, name)).not_to_have_value(typed)
+    assert the(page, 'speed').input_value() == before
+    page.keyboard.press('c')
+    playwright.expect(the(page, 'said')).to_be_empty()
+
+
+def test_only_who_takes_hold_of_the_rod_and_pulls_lets_it_go(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    wait_text(page, 'status', 'run')
+    begin_run(page)  # the rod is held upright
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Go on')
+    wait_drawn(page)
+    the(page, 'rig').scroll_into_view_if_needed()
+    box = the(page, 'rig').bounding_box()
+    middle, high = box['x'] + box['width'] / 2, box['y'] + 0.4 * box['height']
+    page.evaluate(
+        """() => {
+            window.asked = [];
+            WebSocket.prototype.send = (text) => window.asked.push(JSON.parse(text).do);
+        }"""
+    )
+    page.mouse.click(box['x'] + 8, box['y'] + box['height'] - 8)
+    page.mouse.click(middle, high)
+    assert page.evaluate('() => window.asked') == []
+    page.mouse.move(middle, high)
+    page.mouse.down()
+    page.mouse.move(middle + 30, high)
+    page.mouse.up()
+    assert page.evaluate('() => window.asked') == ['angle', 'release']
+
+
+def test_what_an_exposure_shows_is_no_alias(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    seen = page.evaluate("""async () => {
+        const { Steps } = await import(new URL('static/steps.js', location));
+        const steps = new Steps();
+        const at = (turn) => Float32Array.from({length: 1001}, (_, i) => turn(i / 1000));
+        const height = at((time) => Math.cos(2 * Math.PI * 60 * time));
+        steps.steps = [{run: 1, start: 0, end: 1, period: 0.001, angle: at(() => 0), height, times: [], marks: []}];
+        return [4, 8, 16, 25].map((pace) => steps.exposure(0.02, 0.02 + pace / 30, 64).map((state) => state.height));
+    }""")
+    for heights in seen:  # 8, 16, 32 and 50 turns of the shaft
+        assert np.histogram(heights, bins=8, range=(-1, 1))[0].min() > 0
+
+
+def test_a_page_goes_on_with_a_bench_that_was_started_again(
+    serving: Callable[..., Any], browser: Any, tmp_path: Path
+) -> None:
+    command = ['bench', '--web', '--no-open', '--instruments', 'ideal']
+    first = serving(tmp_path, 'bench', *command, '--bags', tmp_path / 'a', '--table', tmp_path / 'a.csv')
+    page = browser.new_page(locale='en-GB')
+    page.set_default_timeout(PATIENCE)
+    page.goto(first.url)
+    wait_text(page, 'status', 'run 1')
+    begin_run(page)
+    wait_seconds(page, 0.5)
+    first.end()
+    port = first.url.rstrip('/').rpartition(':')[2]
+    again = serving(tmp_path, 'bench', *command, '--bags', tmp_path / 'b', '--table', tmp_path / 'b.csv', port=port)
+    wait_text(page, 'status', 'run 1')
+    drawn = page.evaluate('() => Number(document.documentElement.dataset.frames)')
+    wait_seconds(page, seconds(page) + 0.5)
+    assert page.evaluate('() => Number(document.documentElement.dataset.frames)') > drawn
+    page.close()
+    again.end()
 
 
 def test_a_page_on_which_nothing_moves_draws_nothing(open_page: Callable[..., Any]) -> None:

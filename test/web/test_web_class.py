@@ -346,6 +346,9 @@ def test_a_class_outlives_its_server(serving: Callable[..., Any], link_to: Calla
     told_teacher = [(bench['name'], bench['readings'], bench['omega_crit_rpm']) for bench in benches]
     assert told_teacher == [('Ann', 1, 1500), ('Bob', 1, 1500)]
     page.until(lambda: page.motions > 5)
+    second = link_to(again, 'another', bench=keys[0])  # no second rig is started for it
+    second.until(lambda: second.motions > 5)
+    assert (second.told['rig']['run'], second.told['rig']['failure']) == (2, None)
     assert '2 of 2 have handed in' in again.end()
     assert all(RunBag(bag).complete for bag in (runs / 'rig_2').glob('run_01_*'))
 

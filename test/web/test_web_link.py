@@ -50,7 +50,7 @@ def test_the_bench_is_worked_through_the_link(page: Any) -> None:
     [
         ('speed', 'nan', 'the jigsaw does'),
         ('speed', 9000, '5000 RPM'),
-        ('speed', -1, 'a speed of -0.1'),
+        ('speed', -1, 'a speed of -1 RPM'),
         ('speed', '<b>', "'<b>' is not"),
         ('dial', 'nan', 'give a number'),
         ('angle', 3.0, 'quarter turn'),
@@ -79,6 +79,37 @@ def test_what_a_page_shows_late_is_timed_as_it_was_seen(page: Any) -> None:
     page.refused('the watch was started after that')
     page.ask('watch', 2.83)
     page.until(lambda: page.told['knobs']['watch_shown'] == pytest.approx(1.83))
+
+
+def test_what_the_rig_read_is_told_when_it_is_asked_for(page: Any) -> None:
+    run = page.told['rig']['run']
+    page.ask('next-run')
+    page.until(lambda: f'run {run} is over' in page.told.get('messages', {}).get('messages', []))
+    assert 'the rig read' not in str(page.told['messages'])
+    page.ask('rig-readings')
+    page.until(lambda: f'run {run} is over; the rig read' in str(page.told['messages']))
+    page.ask('rig-readings')
+    page.until(lambda: 'the rig read' not in str(page.told['messages']) and page.told['rig']['run'] == run + 1)
+
+
+def test_looks_at_the_plot_are_noted_once_a_run_and_orders_in_haste_count_one_after_the_other(page: Any) -> None:
+    for _ in range(6):
+        page.ask('look')
+    page.ask('images', 3)
+    page.until(lambda: page.told['knobs']['images'] == 3)
+
+    def noted() -> int:
+        lines = page.told.get('book', {}).get('lines', [])
+        return sum(f'run {page.told["rig"]["run"]}, ' in line.get('note', '') for line in lines)
+
+    page.until(noted)
+    assert noted() == 1
+    page.ask('pause')
+    page.ask('pause')
+    run = page.told['rig']['run']
+    page.ask('next-run')  # after both
+    page.until(lambda: page.told['rig']['run'] == run + 1 and not page.told['rig']['paused'])
+    assert 'paused already' not in str(page.told['messages'])
 
 
 def test_frames_that_are_no_requests_are_refused(page: Any) -> None:

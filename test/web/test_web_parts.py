@@ -214,7 +214,7 @@ def test_an_error_of_a_deeper_room_is_said_in_the_language_of_the_page() -> None
     assert typed.value.said.said_by(german) == german_text
     with pytest.raises(KapitsaError) as asked:
         check_speed(900.0, 523.6)
-    assert asked.value.said.said_by(german).startswith('eine Drehzahl von 900.0 rad/s')
+    assert asked.value.said.said_by(german).startswith('eine Drehzahl von 8594.37 1/min (900 rad/s)')
     with pytest.raises(KapitsaError) as table:
         refuse_mixed_units(Readings(*np.array([[200.0], [9000.0], [0.0], [0.0]])))
     assert str(table.value) == 'row 1: a period of 9000 s: give the period in seconds, neither milliseconds nor RPM'

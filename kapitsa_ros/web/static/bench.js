@@ -21,6 +21,7 @@ const now = () => store.now(wall());
 
 function tell(text) {
   $('said').textContent = text;
+  $('said').classList.remove('refused');
 }
 
 const shows = {
@@ -29,8 +30,11 @@ const shows = {
     showKnobs(report);
   },
   rig(report) {
+    const another = bench.rig && bench.rig.sitting !== report.sitting; // a server that was started again
     bench.rig = report;
-    if (report.run > store.run) store.forget(report.run);
+    if (another || report.run > store.run) store.forget(report.run);
+    const rpm = report.threshold_rpm;
+    put('threshold', rpm === null ? '' : say('Below {rpm} RPM an ideal rod cannot stand.', { rpm: rpm.toFixed(0) }));
     store.setPace(report.pace, report.paused);
     $('hands').disabled = !report.works || report.failure !== null;
     for (const id of ['pause', 'step', 'pace', 'next-run', 'look', 'rig-readings-button']) $(id).disabled = !report.works;
@@ -46,7 +50,7 @@ const shows = {
   },
   book(report) {
     bench.book = report.lines;
-    showBook(report.lines, (number) => link.ask('strike', number));
+    showBook(report.lines, (number) => ask('strike', number));
   },
   fit(report) {
     bench.fit = report;
@@ -59,6 +63,8 @@ const shows = {
   },
   refusal(report) {
     tell(report.why);
+    $('said').classList.add('refused'); // seen wherever the page is scrolled to
+    if (bench.knobs) showKnobs(bench.knobs);
   },
 };
 
@@ -127,9 +133,12 @@ const link = new Link(
     if (reason) tell(reason);
   },
 );
-const ask = (name, value) => link.ask(name, value);
+const ask = (name, value) => {
+  if ($('said').classList.contains('refused')) tell('');
+  link.ask(name, value);
+};
 bindKnobs(ask, now, bench, { describe, saw });
 bindKeys(ask, now, bench, { describe });
-bindPull($('rig'), ask, bench);
+bindPull($('rig'), ask, bench, () => store.at(now()));
 bindHandIn(ask);
 drawFrames(() => bench.rig && bench.knobs, () => [now(), bench.rig, bench.knobs, bench.pulled], draw);

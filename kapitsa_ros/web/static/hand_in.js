@@ -1,6 +1,6 @@
 // What a student of a class is told, and hands in.
 
-import { $, put } from './page.js';
+import { $, number, put } from './page.js';
 import { say } from './words.js';
 
 export function showClass(report) {
@@ -19,6 +19,6 @@ export function showClass(report) {
 export function bindHandIn(ask) {
   $('hand-in').addEventListener('submit', (event) => {
     event.preventDefault();
-    ask('hand-in', { omega_crit_rpm: $('omega-crit').value, low_rpm: $('low').value, high_rpm: $('high').value });
+    ask('hand-in', { omega_crit_rpm: number($('omega-crit').value), low_rpm: number($('low').value), high_rpm: number($('high').value) });
   });
 }

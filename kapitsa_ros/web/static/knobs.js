@@ -1,6 +1,6 @@
 // Buttons, fields and keys, and what is asked for when they are used.
 
-import { $, put } from './page.js';
+import { $, faster, number, put, slower } from './page.js';
 
 const FIELDS = { speed: 'speed', dial: 'dial', release: 'angle', images: 'images', swings: 'swings' };
 const WHOLE = new Set(['images', 'swings']);
@@ -18,12 +18,11 @@ export function showKnobs(knobs) {
 export function bindKnobs(ask, now, bench, { describe, saw }) {
   for (const [id, name] of Object.entries(FIELDS)) {
     const send = () => {
-      const text = $(id).value.trim();
-      if (!text) return;
-      if (!WHOLE.has(name)) ask(name, text);
-      else if (Number.isInteger(Number(text))) ask(name, Number(text));
+      const text = number($(id).value);
+      if (text) ask(name, WHOLE.has(name) && Number.isFinite(Number(text)) ? Number(text) : text);
     };
     $(id).addEventListener('change', send);
+    $(id).addEventListener('blur', () => bench.knobs && showKnobs(bench.knobs)); // not what was refused
     $(id).addEventListener('keydown', (event) => {
       if (event.key === 'Enter') {
         send();
@@ -87,12 +86,13 @@ export function bindKeys(ask, now, bench, { describe }) {
     u: () => ask('strike', 0),
     p: () => ask('pause'),
     n: () => ask('step'),
-    '<': () => ask('pace', bench.rig.pace / 2),
-    '>': () => ask('pace', bench.rig.pace * 2),
+    '<': () => ask('pace', slower(bench.rig.pace)),
+    '>': () => bench.rig.pace && ask('pace', faster(bench.rig.pace)),
     x: () => ask('next-run'),
     v: describe,
   };
   for (const count of [1, 2, 3, 4, 5]) keys[count] = () => ask('images', count);
+  const once = new Set(['r', 'c', 'w', 'u', 'p', 'x', 'v']); // however long the key is held
   document.addEventListener('keydown', (event) => {
     if (!$('keys').checked || event.ctrlKey || event.altKey || event.metaKey || !bench.knobs || !bench.rig) return;
     const target = event.target;
@@ -106,6 +106,6 @@ export function bindKeys(ask, now, bench, { describe }) {
     const act = keys[event.key.length === 1 ? event.key.toLowerCase() : event.key];
     if (!act || (event.key.startsWith('Arrow') && target.closest('.scroll'))) return;
     event.preventDefault();
-    act();
+    if (!event.repeat || !once.has(event.key.toLowerCase())) act();
   });
 }

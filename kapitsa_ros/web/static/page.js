@@ -33,9 +33,19 @@ export function followColors(drawPlots) {
   });
 }
 
-// Seconds of the run that are seen together at a pace.
+// Seconds of the run that are seen together at a pace; 0: as fast as it can, which nobody knows beforehand.
 export function exposure(pace) {
-  return (less.matches ? STILL / 1000 : EXPOSURE) * Math.max(pace, 0.001);
+  return (less.matches ? STILL / 1000 : EXPOSURE) * (pace || 1);
+}
+
+// The next pace; the slowest and the fastest are the server's to say.
+export const slower = (pace) => (pace === 0 ? PACES.at(-1) : pace / 2);
+export const faster = (pace) => 2 * pace;
+
+// What was typed, with a point for the comma that other languages write.
+export function number(text) {
+  const typed = text.trim();
+  return document.documentElement.lang === 'en' ? typed : typed.replace(/^([^.,]*),([^.,]*)$/, '$1.$2');
 }
 
 // Draw as often as the display shows it, or now and then for those who want less motion, where one of the values of
@@ -74,7 +84,7 @@ export function put(id, text) {
 export function showPace(pace) {
   const select = $('pace');
   const values = PACES.includes(pace) ? PACES : [pace, ...PACES];
-  if (select.options.length !== values.length) {
+  if (values.join() !== Array.from(select.options, (option) => option.value).join()) {
     select.replaceChildren(...values.map((value) => new Option(value ? `× ${value}` : '∞', String(value))));
   }
   if (document.activeElement !== select) select.value = String(pace);

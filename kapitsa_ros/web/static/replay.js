@@ -2,13 +2,16 @@
 
 import { drawLamp, drawRig, drawScale } from './drawing.js';
 import { fitText } from './fit_text.js';
-import { $, colors, described, drawFrames, exposure, followColors, list, put, query, showPace, wall } from './page.js';
+import {
+  $, colors, described, drawFrames, exposure, faster, followColors, list, number, put, query, showPace, slower, wall,
+} from './page.js';
 import { drawAngle, drawFit, drawOverview } from './plots.js';
 import { RecordedMotion } from './recorded_motion.js';
 import { Saw } from './sound.js';
 import { loadWords, say } from './words.js';
 
 const JUMP = 5; // s
+const MOST_IMAGES = 9;
 const saw = new Saw();
 const replay = { runs: [], place: 0, motion: null, fit: null, dial: 0, pace: 1, loop: false };
 
@@ -68,17 +71,24 @@ function setPace(pace) {
 }
 
 function turn(dial) {
-  if (!Number.isFinite(dial)) return;
+  if (!Number.isFinite(dial)) {
+    put('said', say('the dial of the lamp shows flashes a minute: give a number'));
+    $('dial').value = String(Number(replay.dial.toPrecision(6)));
+    return;
+  }
+  put('said', '');
   replay.dial = Math.min(Math.max(dial, 0), run().dial_end);
-  if (document.activeElement !== $('dial')) $('dial').value = String(Number(replay.dial.toPrecision(6)));
+  $('dial').value = String(Number(replay.dial.toPrecision(6)));
   replay.motion.turn(replay.dial);
   showForcing();
 }
 
 function showForcing() {
   const { graduation } = run();
+  const images = Math.min(Math.max(Math.round(Number($('images').value)) || 1, 1), MOST_IMAGES);
+  $('images').value = String(images);
   const reading = graduation ? Math.round(replay.dial / graduation) * graduation : replay.dial;
-  put('forcing', String(Number((reading / (Number($('images').value) || 1)).toPrecision(6))));
+  put('forcing', String(Number((reading / images).toPrecision(6))));
 }
 
 function showRuns() {
@@ -160,8 +170,8 @@ const keys = {
   PageDown: () => move(JUMP),
   Home: () => move(-run().duration),
   End: () => move(run().duration),
-  '<': () => setPace(replay.pace / 2),
-  '>': () => setPace(replay.pace * 2),
+  '<': () => setPace(slower(replay.pace)),
+  '>': () => replay.pace && setPace(faster(replay.pace)),
   n: () => open(replay.place + 1, 0, replay.motion.playing),
   b: () => open(replay.place - 1, 0, replay.motion.playing),
   v: describe,
@@ -180,7 +190,7 @@ function bind() {
   $('pace').addEventListener('change', () => setPace(Number($('pace').value)));
   $('run').addEventListener('change', () => open(Number($('run').value), 0, replay.motion.playing));
   $('place').addEventListener('input', () => replay.motion.goTo(Number($('place').value)));
-  $('dial').addEventListener('change', () => turn(Number($('dial').value)));
+  $('dial').addEventListener('change', () => turn(Number(number($('dial').value))));
   $('images').addEventListener('change', showForcing);
   for (const button of document.querySelectorAll('[data-turn]')) {
     button.addEventListener('click', () => turn(replay.dial + Number(button.dataset.turn) * run().touch));

@@ -1,6 +1,7 @@
 // The motion in steps, as the server sends it, and what is seen of it.
 
 const HEADER = 28; // bytes
+const SPREAD = 0.618034; // whose multiples are spread evenly between whole numbers
 const EDGE = 1e-6; // s by which steps that follow one another may seem apart
 
 // The steps in a buffer, one after the other.
@@ -61,13 +62,16 @@ export class Steps {
     return { angle: between(step.angle), height: between(step.height) };
   }
 
-  // What an exposure shows, at the rate of the samples or at most `most` times.
+  // What an exposure shows, at the rate of the samples; where these are too many, at `most` times in as many equal
+  // parts, within a part at any: equally far apart, a shaft that turns once or twice in a part would seem to stand.
   exposure(from, to, most) {
     const period = this.steps.length ? this.steps[0].period : 0.001;
-    const count = Math.min(most, Math.max(1, Math.round((to - from) / period)));
+    const all = Math.max(1, Math.round((to - from) / period));
+    const count = Math.min(most, all);
     const seen = [];
     for (let i = 1; i <= count; i++) {
-      const state = this.at(from + ((to - from) * i) / count);
+      const place = all > most ? i - ((i * SPREAD) % 1) : i;
+      const state = this.at(from + ((to - from) * place) / count);
       if (state) seen.push(state);
     }
     return seen;
