@@ -7,8 +7,23 @@ from typing import Any
 import yaml
 
 _DEEPEST, _LARGEST = 40, 200_000
-_LOADER = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
+_BASE: Any = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 """That of libyaml is ten times as fast; not everybody has it."""
+
+
+class _Loader(_BASE):  # type: ignore[misc]
+    """Refuses a name that stands twice in a mapping: of its values YAML would take the last without a word."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:  # noqa: FBT001, FBT002  # yaml's own
+        lines: dict[str, int] = {}
+        for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode) or key.tag == 'tag:yaml.org,2002:merge':
+                continue
+            line = key.start_mark.line + 1
+            if key.value in lines:
+                raise yaml.YAMLError(f'{key.value!r} stands twice, in lines {lines[key.value]} and {line}')
+            lines[key.value] = line
+        return super().construct_mapping(node, deep)
 
 
 def load_yaml(text: str) -> Any:
@@ -24,7 +39,7 @@ def load_yaml(text: str) -> Any:
     """
     _check_size(text)
     try:
-        return yaml.load(text, Loader=_LOADER)  # noqa: S506 - a safe one
+        return yaml.load(text, Loader=_Loader)  # noqa: S506 - a safe one
     except (ValueError, OverflowError, RecursionError) as error:  # a date or a number that there is not
         raise yaml.YAMLError(str(error)) from error
 
@@ -34,7 +49,7 @@ def _check_size(text: str) -> None:
     """By anchor: how many nodes it stands for."""
     open_nodes: list[tuple[str | None, int]] = []
     total = 0
-    for event in yaml.parse(text, Loader=_LOADER):
+    for event in yaml.parse(text, Loader=_BASE):
         if isinstance(event, yaml.AliasEvent):
             total += sizes.get(event.anchor or '', _LARGEST)  # within itself, it has no end
         elif isinstance(event, yaml.ScalarEvent):

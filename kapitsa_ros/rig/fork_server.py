@@ -85,7 +85,7 @@ def serve(requests: socket.socket) -> None:
     while True:
         for descriptor, _ in poll.poll():
             if descriptor == requests.fileno():
-                message, descriptors, _, _ = socket.recv_fds(requests, LONGEST, DESCRIPTORS)
+                message, descriptors = _request(requests)
                 if not message:
                     return
                 if len(descriptors) < DESCRIPTORS:  # the system has no more for this process
@@ -114,6 +114,15 @@ def serve(requests: socket.socket) -> None:
                     poll.unregister(report)
                 _tell(report, str(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))
                 os.close(report)
+
+
+def _request(requests: socket.socket) -> tuple[bytes, list[int]]:
+    """Return what is asked for, with file descriptors; nothing where nobody is there to ask any more."""
+    try:
+        message, descriptors, _, _ = socket.recv_fds(requests, LONGEST, DESCRIPTORS)
+    except ConnectionResetError:  # who asked was killed, and had not read all that it was told
+        return b'', []
+    return message, descriptors
 
 
 def _tell(report: int, text: str, *descriptors: int) -> None:

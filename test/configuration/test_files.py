@@ -99,3 +99,10 @@ def test_a_preset_may_be_written_with_units(tmp_path):
 
 def test_an_instrument_set_knows_its_name():
     assert load_instruments('ideal', {'reaction_time': 0.1}).name == 'ideal'
+
+
+def test_a_name_that_stands_twice_is_refused(tmp_path):
+    mine = tmp_path / 'mine.yaml'
+    mine.write_text(PARAMETERS.format('length: 0.25\n    length: 0.3'))
+    with pytest.raises(ParameterError, match="'length' stands twice, in lines 3 and 4"):
+        load_preset(mine)
