@@ -94,6 +94,7 @@ class CampaignResult:
                 'low_rad_s': self.low,
                 'high_rad_s': self.high,
                 'truth_rad_s': [point.truth for point in each],
+                'failure': list(self.failure),
             }
         )
 
@@ -128,7 +129,7 @@ def campaign(
     plant
         A `Plant`, or a preset by its name or path; the ideal rod of the report where not given.
     experiments
-        How many, with the seeds 1, 2, 3..., at each point of the ranges.
+        How many at each point of the ranges, with the seeds 1, 2, 3..., which go on from point to point.
     instruments
         A set, by its name or path, or `Instruments`.
     protocol
@@ -180,7 +181,7 @@ def campaign(
     if output is not None:
         identity = identity_of(points, each, asdict(taken))
         file = CampaignFile(path=Path(output), points=points, experiments=each, identity=identity, resume=resume)
-    workers = DaskCluster(scheduler) if scheduler else Cores()
+    workers = DaskCluster(scheduler) if scheduler is not None else Cores()
     done = 0 if file is None else file.done()
     begin = time.perf_counter()
     coming = perform_at_points([point.experiment for point in points], each, workers, taken, done)

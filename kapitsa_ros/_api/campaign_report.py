@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from kapitsa_ros._api.report import report_format
-from kapitsa_ros.laboratory.campaign_file import read_campaign
+from kapitsa_ros.laboratory.campaign_file import UNIT, read_campaign, version_of
 from kapitsa_ros.output_file import check_output, replacing
 
 
@@ -47,6 +47,7 @@ def campaign_report(
 
     table = read_campaign(Path(campaign))
     columns = {name: table[name].to_numpy(zero_copy_only=False) for name in table.column_names}
+    units = {field.name: (field.metadata or {}).get(UNIT, b'').decode() for field in table.schema}
     with replacing(page) as draft:
-        write(campaign_document(columns), draft)
+        write(campaign_document(columns, units, version_of(table)), draft)
     return page

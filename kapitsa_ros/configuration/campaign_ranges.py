@@ -93,6 +93,9 @@ def _ranges(values: Mapping[str, Any]) -> Ranges:
         raise ConfigurationError(f'{count} points: at most {MOST_POINTS} can be performed')
     points: Sequence[tuple[Value, ...]]
     if design == 'grid':
+        for name, each in factors.items():
+            if len(set(each)) < len(each):
+                raise ConfigurationError(f'{name}: a value is there twice, and would count twice')
         points = list(product(*factors.values()))
     elif design == 'list':
         points = list(zip(*factors.values(), strict=True))
@@ -123,22 +126,32 @@ def _factor(name: str, wanted: Any, *, drawn: bool) -> tuple[Value, ...]:
     """Return the values of a factor; of an interval that is drawn from, its two ends."""
     if name not in NAMED and name not in QUANTITIES:
         raise ConfigurationError(f'no factor {name}: give some of {", ".join((*NAMED, *QUANTITIES))}')
-    if isinstance(wanted, dict) and name in QUANTITIES:
-        if not {'from', 'to'} <= set(wanted) <= {'from', 'to', 'count'}:
-            raise ConfigurationError(f'{name}: an interval is written {{from: 0, to: 3, count: 4}}')
-        low, high = (QUANTITIES[name].check(wanted[end], ConfigurationError) for end in ('from', 'to'))
-        if not low < high:
-            raise ConfigurationError(f'{name}: empty, from {low:g} to {high:g}')
-        if drawn:
-            return _Interval((low, high))
-        if 'count' not in wanted:
-            raise ConfigurationError(f'{name}: give the count of values from {low:g} to {high:g}')
-        return tuple(np.linspace(low, high, _whole(wanted, 'count', 2, least=2)).tolist())
-    if not isinstance(wanted, list) or not wanted:
+    if isinstance(wanted, dict):
+        if name in NAMED:
+            raise ConfigurationError(f'{name}: give a list of names')
+        return _interval(name, wanted, drawn=drawn)
+    given = wanted if isinstance(wanted, list) else [] if wanted is None else [wanted]
+    if not given:
         raise ConfigurationError(f'{name}: empty, give a list of values')
     if name in NAMED:
-        return tuple(str(value) for value in wanted)
-    return tuple(QUANTITIES[name].check(value, ConfigurationError) for value in wanted)
+        return tuple(str(value) for value in given)
+    return tuple(QUANTITIES[name].check(value, ConfigurationError) for value in given)
+
+
+def _interval(name: str, wanted: Mapping[str, Any], *, drawn: bool) -> tuple[Value, ...]:
+    if not {'from', 'to'} <= set(wanted) <= {'from', 'to', 'count'}:
+        raise ConfigurationError(f'{name}: an interval is written {{from: 0, to: 3, count: 4}}')
+    low, high = (QUANTITIES[name].check(wanted[end], ConfigurationError) for end in ('from', 'to'))
+    if not low < high:
+        raise ConfigurationError(f'{name}: empty, from {low:g} to {high:g}')
+    if drawn:
+        return _Interval((low, high))
+    if 'count' not in wanted:
+        raise ConfigurationError(f'{name}: give the count of values from {low:g} to {high:g}')
+    try:
+        return tuple(np.linspace(low, high, _whole(wanted, 'count', 2, least=2)).tolist())
+    except ConfigurationError as error:
+        raise ConfigurationError(f'{name}: {error}') from error
 
 
 class _Interval(tuple[float, float]):

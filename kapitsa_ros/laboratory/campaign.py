@@ -8,6 +8,7 @@ import signal
 import time
 from collections import deque
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Protocol, TypeAlias
@@ -20,6 +21,7 @@ from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols, fit_ols
 from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.errors import KapitsaError
+from kapitsa_ros.laboratory.errors import WorkerLostError
 from kapitsa_ros.laboratory.outcomes import Outcomes
 
 if TYPE_CHECKING:
@@ -38,6 +40,8 @@ BATCH = 16
 """Experiments that a worker is given at once."""
 AHEAD = 4
 """Batches that wait for each worker, so that none is idle."""
+NOT_TIMED = 'no swing could be timed'
+"""Why there is no critical speed where all swings were too few, too short or none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +91,7 @@ def perform(experiment: SimulatedExperiment, seed: int, assumptions: Assumptions
     else:
         fit = found.best
         ols, inverse = _line(fit_ols, found.evidence), _line(fit_inverse_ols, found.evidence)
-        failure = 'no swing could be timed' if fit is None else None
+        failure = NOT_TIMED if fit is None else None
     return Outcome(
         seed=seed,
         omega_crit=fit.omega_crit if fit else None,
@@ -116,15 +120,28 @@ class Cores:
     count = len(os.sched_getaffinity(0))
 
     def map(self, function: Callable[[Batch], list[Outcome]], batches: Iterable[Batch]) -> Iterator[list[Outcome]]:
-        """Apply a function to many batches, which are asked for as they are needed; results come in their order."""
+        """Apply a function to many batches, which are asked for as they are needed; results come in their order.
+
+        Raises
+        ------
+        WorkerLostError
+            One of the processes was killed.
+
+        """
         with ProcessPoolExecutor(self.count, initializer=_leave_interrupts_to_the_parent) as pool:
             under_way: deque[Future[list[Outcome]]] = deque()
-            for batch in batches:
-                under_way.append(pool.submit(function, batch))
-                if len(under_way) > AHEAD * self.count:
+            try:
+                for batch in batches:
+                    under_way.append(pool.submit(function, batch))
+                    if len(under_way) > AHEAD * self.count:
+                        yield under_way.popleft().result()
+                while under_way:
                     yield under_way.popleft().result()
-            while under_way:
-                yield under_way.popleft().result()
+            except BrokenProcessPool as error:
+                raise WorkerLostError(
+                    'a process that computed was killed, as for want of memory: what was finished is kept where there '
+                    'is an output file, go on by --resume'
+                ) from error
 
 
 def _leave_interrupts_to_the_parent() -> None:
@@ -159,9 +176,10 @@ def perform_at_points(
     assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
     done: int = 0,
 ) -> Iterator[Outcome]:
-    """Carry out many experiments at each of several points, with seeds from 1 on at each.
+    """Carry out many experiments at each of several points, with seeds from 1 on that go on from point to point.
 
-    Outcomes come point by point in the order of their seeds; the first ones that are `done` are left out.
+    No chance is shared between points, so all outcomes together are independent of one another. They come point by
+    point in the order of their seeds; the first ones that are `done` are left out.
 
     Raises
     ------
@@ -182,9 +200,9 @@ Batch: TypeAlias = 'tuple[SimulatedExperiment, range]'
 
 def _batches(points: Sequence[SimulatedExperiment], experiments: int, done: int) -> Iterator[Batch]:
     for number, experiment in enumerate(points):
-        first = min(max(done - number * experiments, 0), experiments)
-        for seed in range(1 + first, experiments + 1, BATCH):
-            yield experiment, range(seed, min(seed + BATCH, experiments + 1))
+        begin, end = number * experiments + 1, (number + 1) * experiments + 1
+        for seed in range(max(begin, done + 1), end, BATCH):
+            yield experiment, range(seed, min(seed + BATCH, end))
 
 
 def _perform_batch(batch: Batch, assumptions: Assumptions) -> list[Outcome]:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros import __version__
+from kapitsa_ros.configuration.campaign_ranges import QUANTITIES
 from kapitsa_ros.errors import OPTION, OutputError
 from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import Outcome
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     import pyarrow as pa  # type: ignore[import-not-found,import-untyped,unused-ignore]
 
+    from kapitsa_ros.configuration.campaign_ranges import Value
     from kapitsa_ros.laboratory.campaign_points import CampaignPoint
 
 OUTCOME_COLUMNS = ('point', 'seed', 'truth_rpm', 'omega_crit_rpm', 'low_rpm', 'high_rpm', 'ols_rpm', 'inverse_rpm')
@@ -33,6 +35,8 @@ _ROWS_AT_ONCE = _PARTS_AT_ONCE = 1024
 """That are in memory."""
 _IDENTITY = b'kapitsa_ros.campaign'
 _ABOUT = b'kapitsa_ros.version'
+UNIT = b'unit'
+"""Of a column, in the metadata of its field; factors are in SI."""
 
 
 @dataclass(kw_only=True)
@@ -126,8 +130,8 @@ class CampaignFile:
     def _naming_the_file(self) -> Iterator[None]:
         try:
             yield
-        except OSError as error:
-            why = os.strerror(error.errno) if error.errno else error
+        except (OSError, ValueError) as error:  # Arrow's own errors are of the latter
+            why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error
             raise DiskError(
                 f'{self.path}: cannot be written ({why}); what was finished is kept: make room, then go on by --resume'
             ) from error
@@ -155,8 +159,8 @@ class CampaignFile:
             [
                 ('point', pa.int64()),
                 ('seed', pa.int64()),
-                *((name, pa.string() if isinstance(value, str) else pa.float64()) for name, value in factors.items()),
-                *((name, pa.float64()) for name in OUTCOME_COLUMNS[2:]),
+                *(_factor_field(name, value) for name, value in factors.items()),
+                *(pa.field(name, pa.float64(), metadata={UNIT: b'RPM'}) for name in OUTCOME_COLUMNS[2:]),
                 ('failure', pa.string()),
             ],
             metadata={_IDENTITY: self._digest, _ABOUT: __version__.encode()},
@@ -176,6 +180,14 @@ class CampaignFile:
                 **dict(zip(OUTCOME_COLUMNS[2:], map(in_rpm, speeds), strict=True)),
                 'failure': outcome.failure,
             }
+
+
+def _factor_field(name: str, value: Value) -> pa.Field:
+    import pyarrow as pa  # noqa: PLC0415
+
+    if isinstance(value, str):
+        return pa.field(name, pa.string())
+    return pa.field(name, pa.float64(), metadata={UNIT: QUANTITIES[name].unit.encode()})
 
 
 def _outcome(row: dict[str, Any]) -> Outcome:
@@ -212,3 +224,8 @@ def read_campaign(path: Path) -> pa.Table:
     if _IDENTITY not in (table.schema.metadata or {}):
         raise OutputError(f'{path} is no campaign: give a file that `kapitsa campaign --output` has written')
     return table
+
+
+def version_of(table: pa.Table) -> str:
+    """Return the version of this package that has carried a campaign out."""
+    return str(table.schema.metadata[_ABOUT].decode())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -17,10 +17,11 @@ from kapitsa_ros.schema import describe
 from kapitsa_ros.versions import versions
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from kapitsa_ros.configuration.campaign_ranges import Ranges, Value
 
+_Made = TypeVar('_Made')
 _OF_PLANT = frozenset(item.name for item in describe(Plant))
 
 
@@ -46,25 +47,21 @@ def campaign_points(ranges: Ranges, experiment: SimulatedExperiment) -> tuple[Ca
         A point is no experiment that can be; the message names it.
 
     """
-    return tuple(_point(ranges.values(number), experiment) for number in range(len(ranges.points)))
+    varied = [ranges.values(number) for number in range(len(ranges.points))]
+    experiments = [_experiment(values, experiment) for values in varied]  # what cannot be is said before any work
+    truths: dict[Plant, float] = {}
+    points = []
+    for values, made in zip(varied, experiments, strict=True):
+        if made.plant not in truths:
+            truths[made.plant] = _naming(values, omega_crit_with_play, made.plant)
+        points.append(CampaignPoint(factors=values, experiment=made, truth=truths[made.plant]))
+    return tuple(points)
 
 
-def _point(values: Mapping[str, Value], experiment: SimulatedExperiment) -> CampaignPoint:
-    numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
-    of_plant = {name: value for name, value in numbers.items() if name in _OF_PLANT}
-    of_instruments = {name: value for name, value in numbers.items() if name not in _OF_PLANT}
+def _naming(values: Mapping[str, Value], function: Callable[..., _Made], *given: Any) -> _Made:
+    """Call a function; what it refuses is told with the values of the point."""
     try:
-        plant = load_preset(str(values['preset'])) if 'preset' in values else experiment.plant
-        instruments = (
-            load_instruments(str(values['instruments'])) if 'instruments' in values else experiment.instruments
-        )
-        made = SimulatedExperiment(
-            plant=plant.replaced(of_plant),
-            instruments=instruments.replaced(of_instruments),
-            protocol=load_protocol(str(values['protocol'])) if 'protocol' in values else experiment.protocol,
-            seed=experiment.seed,
-        )
-        return CampaignPoint(factors=values, experiment=made, truth=omega_crit_with_play(made.plant))
+        return function(*given)
     except KapitsaError as error:
         where = ', '.join(
             f'{name} = {value if isinstance(value, str) else f"{value:g}"}' for name, value in values.items()
@@ -72,6 +69,25 @@ def _point(values: Mapping[str, Value], experiment: SimulatedExperiment) -> Camp
         raise ConfigurationError(f'{where}: {error}' if where else str(error)) from error
 
 
+def _experiment(values: Mapping[str, Value], experiment: SimulatedExperiment) -> SimulatedExperiment:
+    return _naming(values, _made, values, experiment)
+
+
+def _made(values: Mapping[str, Value], experiment: SimulatedExperiment) -> SimulatedExperiment:
+    numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
+    of_plant = {name: value for name, value in numbers.items() if name in _OF_PLANT}
+    of_instruments = {name: value for name, value in numbers.items() if name not in _OF_PLANT}
+    plant = load_preset(str(values['preset'])) if 'preset' in values else experiment.plant
+    instruments = load_instruments(str(values['instruments'])) if 'instruments' in values else experiment.instruments
+    return SimulatedExperiment(
+        plant=plant.replaced(of_plant),
+        instruments=instruments.replaced(of_instruments),
+        protocol=load_protocol(str(values['protocol'])) if 'protocol' in values else experiment.protocol,
+        seed=experiment.seed,
+    )
+
+
 def identity_of(points: tuple[CampaignPoint, ...], experiments: int, assumptions: Mapping[str, float]) -> str:
     """Return a text that is the same for campaigns that give the same outcomes."""
-    return repr([[asdict(point.experiment) for point in points], experiments, dict(assumptions), versions()])
+    each = [(dict(point.factors), asdict(point.experiment)) for point in points]
+    return repr([each, experiments, 'seeds go on from point to point', dict(assumptions), versions()])

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections import deque
 from contextlib import ExitStack
+from functools import partial
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import AHEAD
@@ -17,6 +19,10 @@ if TYPE_CHECKING:
     from kapitsa_ros.laboratory.campaign import Batch, Outcome
 
 _PATIENCE = '10s'
+_LOOKED_EVERY = 5.0
+"""Seconds between two looks whether there are workers."""
+_LOOKS_ALONE = 6
+"""In a row without one: whoever starts workers anew has had the time to."""
 
 
 class DaskCluster:
@@ -34,6 +40,7 @@ class DaskCluster:
 
     def __init__(self, address: str) -> None:
         distributed = import_of_extra('distributed', '--scheduler', 'campaign')
+        _refuse_address(address)
         try:
             self._client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)  # a program has its own
         except (OSError, ValueError) as error:
@@ -56,7 +63,7 @@ class DaskCluster:
         Raises
         ------
         ClusterError
-            The scheduler is gone, or a batch has ended several workers.
+            The scheduler is gone, or all workers are; one has other versions; or a batch has ended several.
 
         """
         from distributed import KilledWorker  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
@@ -64,13 +71,16 @@ class DaskCluster:
 
         with self._client:
             under_way: deque[Any] = deque()
+            checked = partial(of_versions, versions(), function)
             try:
                 for batch in batches:
-                    under_way.append(self._client.submit(function, batch, pure=False))
+                    under_way.append(self._client.submit(checked, batch, pure=False))
                     if len(under_way) > AHEAD * self.count:
-                        yield under_way.popleft().result()
+                        yield self._result(under_way.popleft())
                 while under_way:
-                    yield under_way.popleft().result()
+                    yield self._result(under_way.popleft())
+            except (ImportError, AttributeError) as error:
+                raise ClusterError(f'a worker has not the versions of this program: {error}') from error
             except KilledWorker as error:
                 raise ClusterError(f'a batch ended its workers, one after the other ({error})') from error
             except (FutureCancelledError, OSError) as error:
@@ -78,11 +88,53 @@ class DaskCluster:
                     f'the Dask scheduler at {self._address} is gone: what was finished is kept'
                 ) from error
 
+    def _result(self, future: Any) -> list[Outcome]:
+        """Wait for a batch, while there is a worker, or one may come in the place of one that was lost."""
+        alone = 0
+        while True:
+            try:
+                found: list[Outcome] = future.result(timeout=_LOOKED_EVERY)
+            except TimeoutError:
+                alone = 0 if self._client.nthreads() else alone + 1
+                if alone > _LOOKS_ALONE:
+                    raise ClusterError(
+                        f'the Dask scheduler at {self._address} has no workers any more: what was finished is kept, '
+                        'start one and go on by --resume'
+                    ) from None
+            else:
+                return found
+
     def _refuse_other_versions(self) -> None:
         ours = versions()
         for worker, theirs in self._client.run(versions).items():
-            if theirs != ours:
-                pairs = [
-                    f'{name} {theirs.get(name)} for {here}' for name, here in ours.items() if theirs.get(name) != here
-                ]
-                raise ClusterError(f'the worker {worker} has other versions: {", ".join(pairs)}')
+            _refuse_versions(f'the worker {worker}', ours, theirs)
+
+
+def of_versions(ours: dict[str, str], function: Callable[[Batch], list[Outcome]], batch: Batch) -> list[Outcome]:
+    """Apply a function to a batch, in a worker, if that has the versions of whoever asks: it may have come late.
+
+    Raises
+    ------
+    ClusterError
+        It has others.
+
+    """
+    _refuse_versions('a worker that came later', ours, versions())
+    return function(batch)
+
+
+def _refuse_versions(whose: str, ours: dict[str, str], theirs: dict[str, str]) -> None:
+    if theirs != ours:
+        pairs = [f'{name} {theirs.get(name)} for {here}' for name, here in ours.items() if theirs.get(name) != here]
+        raise ClusterError(f'{whose} has other versions: {", ".join(pairs)}')
+
+
+def _refuse_address(address: str) -> None:
+    """Refuse what is no HOST:PORT before a client is made, which would look for it for long."""
+    try:
+        parts = urlsplit(address if '://' in address else f'tcp://{address}')
+        usable = parts.scheme == 'tcp' and bool(parts.hostname) and parts.port is not None
+    except ValueError:
+        usable = False
+    if not usable:
+        raise ClusterError(f'{address!r} is no address of a Dask scheduler: give it as tcp://127.0.0.1:8786')

@@ -13,3 +13,9 @@ class DiskError(KapitsaError):
     """The disk does not take the outcomes of a campaign; those that it has taken stay."""
 
     exit_status = FAILED
+
+
+class WorkerLostError(KapitsaError):
+    """A process of this machine that computed was killed."""
+
+    exit_status = FAILED

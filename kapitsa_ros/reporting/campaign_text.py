@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rich.table import Table
 
+from kapitsa_ros.laboratory.campaign import NOT_TIMED
 from kapitsa_ros.reporting.allowances import allowed
 from kapitsa_ros.units import RPM
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.laboratory.campaign import Campaign
     from kapitsa_ros.laboratory.campaign_points import CampaignPoint
 
+_MOST_REASONS, _MOST_SEEDS = 10, 5  # that are listed; a Parquet file holds all
 _NOMINAL = 0.95
 _SURE = 2.576  # standard deviations: 99 %, two-sided
 
@@ -57,17 +59,51 @@ def points_table(points: Sequence[CampaignPoint], found: Sequence[Campaign]) -> 
     return table
 
 
+def failure_sentences(
+    points: Sequence[int], seeds: Sequence[int], failures: Sequence[str | None], *, several_points: bool
+) -> list[str]:
+    """Return what gave no critical speed: how often, why, and with which seeds; the most frequent reasons.
+
+    Parameters
+    ----------
+    points, seeds, failures
+        Of each experiment: index of its point, seed, and why it gave none; None where it gave one.
+    several_points
+        Whether points are told.
+
+    """
+    found: dict[tuple[str, int], list[int]] = {}
+    for point, seed, reason in zip(points, seeds, failures, strict=True):
+        if reason is not None:
+            found.setdefault((reason, point), []).append(seed)
+    often = sorted(found.items(), key=lambda item: -len(item[1]))
+    lines = []
+    for (reason, point), of_seeds in often[:_MOST_REASONS]:
+        where = f'point {point + 1}, ' if several_points else ''
+        lines.append(f'{len(of_seeds)} without a critical speed: {reason} ({where}{seed_text(of_seeds)})')
+    if left := sum(len(of_seeds) for _, of_seeds in often[_MOST_REASONS:]):
+        lines.append(f'{left} more without a critical speed: --json and the Parquet file have all')
+    return lines
+
+
+def seed_text(seeds: Sequence[int]) -> str:
+    """Return some seeds in words."""
+    some = ', '.join(map(str, seeds[:_MOST_SEEDS]))
+    more = f' and {len(seeds) - _MOST_SEEDS} more' if len(seeds) > _MOST_SEEDS else ''
+    return f'seed{"s" if len(seeds) > 1 else ""} {some}{more}'
+
+
 def campaign_conclusion(
-    found: Campaign, truth: float, assumed: Mapping[str, float], speeds: Sequence[str]
+    found: Campaign, truth: float, assumed: Mapping[str, float], speeds: Sequence[str], failures: Sequence[str | None]
 ) -> list[str]:
     """Return what the campaign means, and what to do next."""
     given = found.experiments - found.failed
     if not given:
-        untimed = f'no swing could be timed at {", ".join(speeds)} RPM'
-        return [
-            f'{untimed}; the critical speed of this plant is {truth / RPM:.1f} RPM',
-            'Next: give a protocol with higher speeds (--protocol).',
-        ]
+        threshold = f'{truth / RPM:.1f} RPM'
+        known = [f'no experiment at {", ".join(speeds)} RPM gave a critical speed; that of this plant is {threshold}']
+        if set(failures) == {NOT_TIMED}:
+            known.append('Next: give a protocol with higher speeds (--protocol).')
+        return known
     spread = _SURE * math.sqrt(_NOMINAL * (1.0 - _NOMINAL) / given)
     share = f'{100.0 * found.coverage:.0f} % of {given}'
     if found.coverage < _NOMINAL - spread:

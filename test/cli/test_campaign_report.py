@@ -21,7 +21,7 @@ from kapitsa_ros.laboratory.campaign_file import CampaignFile  # noqa: E402
 from kapitsa_ros.laboratory.campaign_points import campaign_points, identity_of  # noqa: E402
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment  # noqa: E402
 from kapitsa_ros.physics.plant import Plant  # noqa: E402
-from kapitsa_ros.reporting.report.campaign import MOST_LEVELS, Level, level_of, levels_of  # noqa: E402
+from kapitsa_ros.reporting.report.campaign import MOST_LEVELS, Level, campaign_document, level_of, levels_of  # noqa: E402
 
 EACH = 10
 
@@ -45,6 +45,34 @@ def test_a_factor_of_many_values_is_taken_in_groups_of_equal_size() -> None:
     levels = levels_of('damping', columns)
     assert [each.experiments for each in levels] == [400 // MOST_LEVELS] * MOST_LEVELS
     assert all((each.held, each.unbounded) == (0, each.experiments) for each in levels)  # 1 is above 0.5
+
+
+def test_groups_hold_whole_values_and_are_named_by_them() -> None:
+    def sizes(*values: float) -> list[tuple[str, int]]:
+        columns = {
+            'gravity': np.array(values),
+            **{name: np.ones(len(values)) for name in ('truth_rpm', 'omega_crit_rpm')},
+        }
+        columns |= {'low_rpm': np.zeros(len(values)), 'high_rpm': np.ones(len(values))}
+        return [(each.name, each.experiments) for each in levels_of('gravity', columns)]
+
+    names = ['0', '1', '2', '3', '4 to 5', '6', '7', '8']
+    assert sizes(*np.arange(9.0).repeat(2)) == [(name, 4 if 'to' in name else 2) for name in names]
+    assert sum(size for _, size in sizes(*[0.0] * 20, *np.linspace(1.0, 2.0, 10))) == 30
+    assert sizes(*[0.0] * 20, *np.linspace(1.0, 2.0, 10))[0] == ('0', 20)
+    assert [name for name, _ in sizes(9.80661, 9.80662)] == ['9.80661', '9.80662']
+
+
+def test_where_no_experiment_gave_a_result_no_interval_is_judged() -> None:
+    columns = {name: np.full(3, np.nan) for name in ('omega_crit_rpm', 'low_rpm', 'high_rpm')}
+    columns |= {'point': np.ones(3), 'seed': np.arange(1, 4), 'truth_rpm': np.ones(3), 'damping': np.zeros(3)}
+    columns['failure'] = np.array(['no swing'] * 3, dtype=object)
+    text = campaign_document(columns, {'damping': '1/s'}, '0.0.7').text
+    assert 'No experiment gave a critical speed' in text
+    assert 'intervals hold the exact' not in text
+    assert 'kapitsa_ros 0.0.7' in text
+    assert '| damping (1/s) |' in text
+    assert '| no swing | 3 | seeds 1, 2, 3 |' in text
 
 
 def test_null_is_an_end_that_excludes_nothing_or_no_result() -> None:

@@ -1,8 +1,10 @@
+import pickle
 import tracemalloc
 
 import numpy as np
 import pytest
 
+import kapitsa_ros as kr
 from kapitsa_ros.analysis.critical_speed import Ruler, direct_fit, evidence_of
 from kapitsa_ros.analysis.errors import AnalysisError
 from kapitsa_ros.analysis.line_fit import fit_inverse_ols
@@ -11,6 +13,8 @@ from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.laboratory.campaign import Outcome, efficiency, perform, perform_all, summarise
+from kapitsa_ros.laboratory.dask_cluster import of_versions
+from kapitsa_ros.laboratory.errors import ClusterError
 from kapitsa_ros.laboratory.outcomes import Outcomes
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.network.errors import RunError
@@ -20,6 +24,7 @@ from kapitsa_ros.physics.theory.floquet import omega_crit_exact
 from kapitsa_ros.physics.theory.nonlinear import slow_frequency_nonlinear
 from kapitsa_ros.physics.theory.play import omega_crit_with_play
 from kapitsa_ros.units import RPM, is_within
+from kapitsa_ros.versions import versions
 
 IDEAL = Plant()
 TRUTH = omega_crit_exact(IDEAL)
@@ -187,3 +192,19 @@ def test_a_hundred_thousand_outcomes_are_a_few_megabytes():
     assert found.seed[[0, -1]].tolist() == [1, 100_000]
     assert found.failure[98:101] == (None, 'number 2', None)
     assert np.isnan(found.omega_crit).sum() == 1000
+
+
+@pytest.mark.parametrize(
+    'address', ['', '127.0.0.1', 'http://127.0.0.1:8786', 'tcp://', 'tcp://127.0.0.1:abc', 'a.json']
+)
+def test_what_is_no_address_of_a_scheduler_is_refused_at_once(address):
+    pytest.importorskip('distributed')
+    with pytest.raises(ClusterError, match='is no address of a Dask scheduler'):
+        kr.campaign(experiments=1, scheduler=address)
+
+
+def test_a_worker_that_comes_later_with_other_versions_computes_nothing():
+    with pytest.raises(ClusterError, match=r'later has other versions: kapitsa_ros 0\.1\.0 for 0\.0\.7') as refused:
+        of_versions({**versions(), 'kapitsa_ros': '0.0.7'}, lambda _: [], (experiment(), range(1)))
+    assert str(pickle.loads(pickle.dumps(refused.value))) == str(refused.value)  # noqa: S301  # so it comes home
+    assert of_versions(versions(), lambda _: [], (experiment(), range(1))) == []

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -105,12 +106,71 @@ def test_each_point_is_judged_by_its_own_truth(tmp_path: Path) -> None:
     path = written(tmp_path, factors={'preset': ['ideal', 'as_built_1997']}, experiments=2)
     found = kr.campaign(ranges=path)
     assert [point.truth / RPM for point in found.points] == pytest.approx([1354.80, 1594.92], abs=0.01)
-    alone = [kr.campaign(preset, experiments=2).omega_crit for preset in ('ideal', 'as_built_1997')]
-    assert found.omega_crit == pytest.approx(np.concatenate(alone))
+    assert found.seed.tolist() == [1, 2, 3, 4]  # no chance is shared between points
+    first = kr.campaign('ideal', experiments=2).omega_crit
+    second = kr.campaign('as_built_1997', experiments=4).omega_crit[2:]
+    assert found.omega_crit == pytest.approx(np.concatenate((first, second)))
     assert [each.coverage for each in found.at_points] == [1.0, 1.0]
     assert found.summary.coverage == 1.0
     assert found.failure == (None,) * 4
     assert list(found.to_pandas()['preset']) == ['ideal', 'ideal', 'as_built_1997', 'as_built_1997']
+
+
+def test_what_a_factor_replaces_is_not_taken_in_silence(tmp_path: Path, kapitsa: Callable[..., Any]) -> None:
+    path = written(tmp_path, factors={'preset': ['ideal', 'bearing'], 'dial_error': [0.0]}, experiments=1)
+    for options, option in (
+        (('--coulomb', '5'), '--coulomb'),
+        (('--preset', 'bearing'), '--preset'),
+        (('--instrument', 'dial_error=0.1'), '--dial-error'),
+    ):
+        answer = kapitsa('campaign', '--ranges', path, *options)
+        assert answer.status == 2
+        assert f'{option} has no effect beside the factor' in answer.err
+    assert kapitsa('campaign', '--ranges', path, '--protocol', '1997', '--json').json['experiments'] == 2
+
+
+def test_a_value_that_would_count_twice_is_refused_and_one_by_itself_taken(tmp_path: Path) -> None:
+    with pytest.raises(ConfigurationError, match='coulomb: a value is there twice'):
+        load_ranges(written(tmp_path, factors={'coulomb': [0, 1, '0 rad/s^2']}))
+    assert load_ranges(written(tmp_path, factors={'coulomb': 3, 'preset': 'ideal'})).points == ((3.0, 'ideal'),)
+    with pytest.raises(ConfigurationError, match='coulomb: count is 1'):
+        load_ranges(written(tmp_path, factors={'coulomb': {'from': 0, 'to': 3, 'count': 1}}))
+
+
+def test_experiments_without_a_result_are_told_with_their_seeds(short: Path, kapitsa: Callable[..., Any]) -> None:
+    hot = short.with_name('hot.yaml')
+    hot.write_text(yaml.safe_dump({'factors': {'damping': [0.0, 1e6]}, 'experiments': 7}))
+    protocol = ('--protocol', short.with_name('one.yaml'))
+    lines = kapitsa('campaign', '--ranges', hot, *protocol).out
+    assert '7 without a critical speed: ' in lines
+    assert '(point 2, seeds 8, 9, 10, 11, 12 and 2 more)' in lines
+    failures = kapitsa('campaign', '--ranges', hot, *protocol, '--json').json['failures']
+    assert [(each['point'], each['seed']) for each in failures] == [(2, seed) for seed in range(8, 15)]
+    alone = kapitsa('campaign', '--experiments', '3', '--damping', '1e6', *protocol).out
+    assert failures[0]['reason'] in ' '.join(alone.split())
+    assert 'higher speeds' not in alone
+
+
+def test_a_process_that_is_killed_ends_the_campaign_with_a_line(short: Path, tmp_path: Path) -> None:
+    output = tmp_path / 'cut.parquet'
+    command = [sys.executable, '-m', 'kapitsa_ros', 'campaign', '--ranges', str(short), '--output', str(output)]
+    with subprocess.Popen(
+        [*command, '--experiments', '400'], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    ) as program:
+        deadline = time.monotonic() + PATIENCE
+        while not list(tmp_path.glob('cut.parquet.parts/*.parquet')):
+            assert program.poll() is None
+            assert time.monotonic() < deadline
+        children = Path(f'/proc/{program.pid}/task/{program.pid}/children').read_text().split()
+        os.kill(int(children[-1]), signal.SIGKILL)
+        err = program.communicate(timeout=PATIENCE)[1]
+    assert program.returncode == 1
+    assert err.strip().splitlines()[-1].startswith('kapitsa: error: a process that computed was killed')
+    assert 'Traceback' not in err
+    with pytest.raises(OutputError, match='of another campaign'):  # its factors are others
+        kr.campaign(
+            ranges=written(tmp_path, factors={'coulomb': [0.0, 8.0]}), experiments=400, output=output, resume=True
+        )
 
 
 @pytest.fixture
@@ -146,7 +206,9 @@ def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Pa
         kr.campaign(ranges=short, output=cut)
     rows = parquet.read_table(whole).to_pylist()
     assert [row['point'] for row in rows] == [1] * EACH + [2] * EACH
-    assert [row['seed'] for row in rows] == [*range(1, EACH + 1)] * 2
+    assert [row['seed'] for row in rows] == [*range(1, 2 * EACH + 1)]
+    units = {field.name: (field.metadata or {}).get(b'unit') for field in parquet.read_schema(whole)}
+    assert (units['coulomb'], units['truth_rpm'], units['protocol']) == ('rad/s²'.encode(), b'RPM', None)
     failed = [row for row in rows if row['failure'] is not None]
     assert failed
     assert {row['failure'] for row in failed} == {'no swing could be timed'}

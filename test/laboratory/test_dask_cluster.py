@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import kapitsa_ros as kr
+from kapitsa_ros.laboratory import dask_cluster
 from kapitsa_ros.laboratory.campaign import Outcome
 from kapitsa_ros.laboratory.errors import ClusterError
 
@@ -69,6 +70,26 @@ def test_a_killed_worker_changes_nothing(cluster: DaskProcesses, tmp_path: Path)
     assert cluster.workers[0].wait() == -signal.SIGKILL
     kr.campaign('ideal', experiments=EXPERIMENTS, output=here)
     assert parquet.read_table(there).equals(parquet.read_table(here))
+
+
+def test_a_cluster_without_workers_is_not_waited_for_for_ever(
+    cluster: DaskProcesses, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dask_cluster, '_LOOKED_EVERY', 0.5)
+
+    def killing_all(outcomes: Iterator[Outcome], _: int) -> Iterator[Outcome]:
+        for number, outcome in enumerate(outcomes):
+            if number == 20:
+                for worker in cluster.workers:
+                    worker.kill()
+            yield outcome
+
+    output = tmp_path / 'there.parquet'
+    with pytest.raises(ClusterError, match='has no workers any more: what was finished is kept'):
+        kr.campaign(
+            'ideal', experiments=4 * EXPERIMENTS, output=output, scheduler=cluster.address, progress=killing_all
+        )
+    assert any(output.with_name(f'{output.name}.parts').iterdir())
 
 
 def test_what_was_finished_outlives_the_scheduler(cluster: DaskProcesses, tmp_path: Path) -> None:

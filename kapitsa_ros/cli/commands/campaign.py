@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 from rich.console import Console
 from rich.progress import track
 
 from kapitsa_ros._api.campaign import campaign as call
 from kapitsa_ros.cli.options import assumption_option, instrument_options, json_option, plant_options, print_json
 from kapitsa_ros.cli.terminal import say, show_table
+from kapitsa_ros.configuration.campaign_ranges import load_ranges
 from kapitsa_ros.configuration.protocols import load_protocol
-from kapitsa_ros.reporting.campaign_text import campaign_conclusion, campaign_table, points_table
+from kapitsa_ros.physics.plant import Plant
+from kapitsa_ros.reporting.campaign_text import campaign_conclusion, campaign_table, failure_sentences, points_table
 from kapitsa_ros.reporting.plant_sentence import plant_sentence
+from kapitsa_ros.schema import describe
 from kapitsa_ros.units import RPM
 
 if TYPE_CHECKING:
@@ -26,16 +29,14 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.assumptions import Assumptions
     from kapitsa_ros.instruments.settings import Instruments
     from kapitsa_ros.laboratory.campaign import Campaign, Outcome
-    from kapitsa_ros.physics.plant import Plant
-
-_MOST_FAILURES = 10  # that are listed; a Parquet file holds all
 
 
 @click.command()
 @click.option(
     '--experiments',
     type=click.IntRange(1),
-    help='how many, with the seeds 1, 2, 3..., at each point  [default: as the file of ranges says]',
+    help='how many at each point, with the seeds 1, 2, 3..., which go on from point to point  [default: as the file of '
+    'ranges says]',
 )
 @click.option(
     '--ranges',
@@ -76,6 +77,8 @@ def campaign(
         raise click.UsageError('say how many: --experiments N')
     if resume and output is None:
         raise click.UsageError('--resume goes on with the file of --output: give that too')
+    if ranges is not None:
+        _refuse_what_is_varied(ranges)
     result = call(
         plant,
         experiments=experiments,
@@ -91,7 +94,8 @@ def campaign(
     found = result.summary
     if as_json:
         points = {'points': _points(result)} if ranges is not None else {}
-        print_json(_values(found) | {'wall_s': result.wall, 'efficiency': result.efficiency} | points)
+        more = {'wall_s': result.wall, 'efficiency': result.efficiency, 'failures': _failures(result)}
+        print_json(_values(found) | more | points)
         return
     if ranges is None:
         _show_one_point(result, plant, [f'{speed / RPM:.0f}' for speed in load_protocol(protocol).speeds])
@@ -100,6 +104,20 @@ def campaign(
     if output is not None:
         click.echo(f'{output}')
         click.echo(f'Next: kapitsa report --campaign {output} --output campaign.html')
+
+
+def _refuse_what_is_varied(ranges: Path) -> None:
+    """Refuse options that a factor of the ranges replaces: nobody would see that they have no effect."""
+    varied = load_ranges(ranges).factors
+    context = click.get_current_context()
+    typed = {name for name in context.params if context.get_parameter_source(name) is ParameterSource.COMMANDLINE}
+    typed |= {name for name, _ in context.params['overrides']}
+    plant = {item.name for item in describe(Plant)}
+    replaced = {'preset': plant, 'instruments': {'overrides'}}
+    for factor in varied:
+        for name in sorted(typed & ({factor} | replaced.get(factor, set()))):
+            option = 'instrument' if name == 'overrides' else name.replace('_', '-')
+            raise click.UsageError(f'--{option} has no effect beside the factor {factor}: vary it in {ranges}')
 
 
 def _progress(stream: Iterator[Outcome], total: int) -> Iterable[Outcome]:
@@ -111,19 +129,15 @@ def _show_one_point(result: CampaignResult, plant: Plant, speeds: list[str]) -> 
     say([f'{plant_sentence(plant)}. {found.experiments} experiments at {", ".join(speeds)} RPM, {result.wall:.1f} s.'])
     if found.failed < found.experiments:
         show_table(campaign_table(found, result.truth))
-    say(campaign_conclusion(found, result.truth, asdict(result.assumptions), speeds))
+    say(failure_sentences(result.point.tolist(), result.seed.tolist(), result.failure, several_points=False))
+    say(campaign_conclusion(found, result.truth, asdict(result.assumptions), speeds, result.failure))
 
 
 def _show_points(result: CampaignResult, ranges: Path) -> None:
     found = result.summary
     say([f'{found.experiments} experiments at {len(result.points)} points of {ranges}, {result.wall:.1f} s.'])
     show_table(points_table(result.points, result.at_points))
-    reasons = Counter(
-        f'{failure} (point {point + 1})'
-        for point, failure in zip(result.point.tolist(), result.failure, strict=True)
-        if failure is not None
-    )
-    say([f'{count} without a critical speed: {reason}' for reason, count in reasons.most_common(_MOST_FAILURES)])
+    say(failure_sentences(result.point.tolist(), result.seed.tolist(), result.failure, several_points=True))
 
 
 def _values(found: Campaign) -> dict[str, Any]:
@@ -136,6 +150,14 @@ def _values(found: Campaign) -> dict[str, Any]:
         'interval_width_rpm': {'median': found.width / RPM},
         'unbounded': found.unbounded,
     }
+
+
+def _failures(result: CampaignResult) -> list[dict[str, Any]]:
+    return [
+        {'point': point + 1, 'seed': seed, 'reason': reason}
+        for point, seed, reason in zip(result.point.tolist(), result.seed.tolist(), result.failure, strict=True)
+        if reason is not None
+    ]
 
 
 def _points(result: CampaignResult) -> list[dict[str, Any]]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from click.core import ParameterSource
 
 from kapitsa_ros.cli.options import assumption_option, json_option, overwrite_option, print_json
 from kapitsa_ros.cli.warnings_of_bags import warn
@@ -48,6 +49,9 @@ def report(
     """
     if bool(bags) == bool(campaign):
         raise click.UsageError('give the runs, BAGS, or --campaign FILE')
+    typed = click.get_current_context().get_parameter_source('assumed')
+    if campaign is not None and typed is ParameterSource.COMMANDLINE:
+        raise click.UsageError('--assume has no effect on --campaign: its intervals are there already')
     from kapitsa_ros._api.campaign_report import campaign_report  # noqa: PLC0415
     from kapitsa_ros._api.report import report as call  # noqa: PLC0415
     from kapitsa_ros.cli.progress import shown_stages  # noqa: PLC0415

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
-from kapitsa_ros import __version__
 from kapitsa_ros.analysis.share_range import share_range
 from kapitsa_ros.laboratory.campaign_file import OUTCOME_COLUMNS
+from kapitsa_ros.reporting.campaign_text import seed_text
 from kapitsa_ros.reporting.figures.canvas import BLUE, INK, blank, house_style
 from kapitsa_ros.reporting.report.document import Document, drawings_named
 from kapitsa_ros.reporting.report.text import plain
@@ -80,33 +79,51 @@ def level_of(name: str, columns: Mapping[str, NDArray[Any]], chosen: NDArray[np.
 def levels_of(factor: str, columns: Mapping[str, NDArray[Any]]) -> list[Level]:
     """Sum up outcomes by the values of a factor."""
     values = columns[factor]
-    distinct = np.unique(values)
-    if values.dtype.kind in 'OU' or distinct.size <= MOST_LEVELS:
-        names = [each if isinstance(each, str) else f'{each:.4g}' for each in distinct.tolist()]
+    distinct, counts = np.unique(values, return_counts=True)
+    if values.dtype.kind in 'OU':
+        return [level_of(str(each), columns, values == each) for each in distinct.tolist()]
+    names = _apart(distinct.tolist())
+    if distinct.size <= MOST_LEVELS:
         return [level_of(name, columns, values == each) for name, each in zip(names, distinct, strict=True)]
-    edges = np.quantile(values, np.linspace(0.0, 1.0, MOST_LEVELS + 1))
-    group = np.clip(np.searchsorted(edges, values, side='right') - 1, 0, MOST_LEVELS - 1)
-    return [
-        level_of(f'{edges[index]:.3g} to {edges[index + 1]:.3g}', columns, group == index)
-        for index in range(MOST_LEVELS)
-    ]
+    middles = (np.cumsum(counts) - 0.5 * counts) / values.size  # a value is in the group in which most of it is
+    groups = np.minimum((MOST_LEVELS * middles).astype(int), MOST_LEVELS - 1)
+    levels = []
+    for group in np.unique(groups):
+        first, last = np.flatnonzero(groups == group)[[0, -1]].tolist()
+        name = names[first] if first == last else f'{names[first]} to {names[last]}'
+        levels.append(level_of(name, columns, (distinct[first] <= values) & (values <= distinct[last])))
+    return levels
 
 
-def campaign_document(columns: Mapping[str, NDArray[Any]]) -> Document:
+def _apart(values: Sequence[float]) -> list[str]:
+    """Return values in as few digits as tell them apart, four at least."""
+    for digits in range(4, 17):
+        names = [f'{value:.{digits}g}' for value in values]
+        if len(set(names)) == len(names):
+            break
+    return names
+
+
+def campaign_document(columns: Mapping[str, NDArray[Any]], units: Mapping[str, str], version: str) -> Document:
     """Return the report.
 
     Parameters
     ----------
     columns
         Of the campaign's file, each of shape (N,), with nan for null; text in columns of strings.
+    units
+        Of the factors, where they have any.
+    version
+        Of the package that carried the campaign out.
 
     """
     names = [name for name in columns if name not in (*OUTCOME_COLUMNS, 'failure')]
+    titles = {name: name.replace('_', ' ') + (f' ({units[name]})' if units.get(name) else '') for name in names}
     every = level_of('all', columns, np.ones(columns['seed'].size, dtype=np.bool_))
     by_factor = {name: levels_of(name, columns) for name in names}
     with house_style():
         figures = [
-            (_figure(name.replace('_', ' '), levels), 'Bars are 95 % ranges above, and 68 % of the experiments below.')
+            (_figure(titles[name], levels), 'Bars are 95 % ranges above, and 68 % of the experiments below.')
             for name, levels in by_factor.items()
         ]
     drawings = drawings_named(figures)
@@ -118,21 +135,32 @@ def campaign_document(columns: Mapping[str, NDArray[Any]]) -> Document:
         points=points,
         experiments=every.experiments,
         each=every.experiments // points,
-        version=__version__,
+        version=version,
         overall=_cells(every),
         factors=[
             {
                 'title': name.replace('_', ' '),
-                'heading': name.replace('_', ' '),
+                'heading': titles[name],
                 'levels': [_cells(level) for level in levels],
                 'figure': drawing,
             }
             for (name, levels), drawing in zip(by_factor.items(), drawings, strict=True)
         ],
-        reasons=Counter(reason for reason in columns['failure'].tolist() if reason).most_common(),
+        reasons=_reasons(columns),
+        given=every.given,
         most_levels=MOST_LEVELS,
     )
     return Document(title='Virtual experiments', text=text.strip() + '\n', drawings=drawings)
+
+
+def _reasons(columns: Mapping[str, NDArray[Any]]) -> list[dict[str, Any]]:
+    """Return why experiments gave no critical speed, the most frequent reason first, with seeds to repeat them."""
+    found: dict[str, list[int]] = {}
+    for reason, seed in zip(columns['failure'].tolist(), columns['seed'].tolist(), strict=True):
+        if reason:
+            found.setdefault(reason, []).append(seed)
+    often = sorted(found.items(), key=lambda item: -len(item[1]))
+    return [{'reason': reason, 'count': len(seeds), 'seeds': seed_text(seeds)} for reason, seeds in often]
 
 
 def _cells(level: Level) -> dict[str, Any]:
