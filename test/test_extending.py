@@ -21,6 +21,7 @@ from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.units import RPM
 
+PATIENCE = 180.0
 ROOT = Path(__file__).parents[1]
 SECTION = re.compile(r'^## (.+?)\n(.*?)(?=^## |\Z)', re.MULTILINE | re.DOTALL)
 SECTIONS = dict(SECTION.findall((ROOT / 'docs' / 'extending.md').read_text(encoding='utf-8')))
@@ -31,6 +32,7 @@ READ = """
 import json, sys
 from pathlib import Path
 from kapitsa_ros.recording.reader import RunBag
+
 run = RunBag(Path(sys.argv[1])).run
 print(json.dumps([reading.speed for reading in run.readings['tachometer']]))
 """
@@ -152,7 +154,7 @@ def test_a_driver_takes_the_place_of_a_node(extended: Python, tmp_path: Path) ->
         nodes=[role for role in ROLE_NAMES if role != 'pendulum'],
     ) as rig:  # fmt: skip
         extended('encoder.py', 'counts', env=node_environment(rig.domain))
-        rig.wait_for('analyser/result', lambda result: 'experiment' in result)
+        rig.wait_for('analyser/result', lambda result: 'experiment' in result, timeout=PATIENCE)
     (bag,) = map(RunBag, (tmp_path / 'runs').iterdir())
     assert bag.complete
     assert bag.run.plant == Plant(amplitude=shipped.run.plant.amplitude)

@@ -52,9 +52,10 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
 
     def __init__(self) -> None:
         super().__init__(Role(name=FOXGLOVE_SERVER))
-        port = declare(self, 'port', FOXGLOVE_PORT, f'of {ADDRESS}; 0: any that is free', 0, 65535)
+        self._port = declare(self, 'port', FOXGLOVE_PORT, f'of {ADDRESS}; 0: any that is free', 0, 65535)
         paths = [path for path in declare(self, 'bags', [''], 'folders of the runs that are replayed, if any') if path]
         timeline = self._timeline(paths) if paths else None
+        self._range_ns = timeline.range_ns if timeline is not None else None
         self._server, self._view_clock = FoxgloveServer(), ViewClock(timeline)
         self._topic_forwarder = TopicForwarder(self, self._server, self._view_clock)
         self._frame_transforms = FrameTransforms(self, self._server, self._view_clock)
@@ -68,7 +69,10 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
         self._is_changed = False
         """Whether a client wants other topics than before."""
         self.create_subscription(Clock, '/clock', self._take_clock, VIEW)
-        port = self._server.start(port, self, timeline.range_ns if timeline is not None else None)
+
+    def open(self) -> None:
+        """Begin to listen."""
+        port = self._server.start(self._port, self, self._range_ns)
         self.get_logger().info(f'serves Foxglove at ws://{ADDRESS}:{port}')
 
     def poll(self) -> float:

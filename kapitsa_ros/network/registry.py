@@ -59,6 +59,8 @@ _ALL = (*NODES, SESSION_MONITOR, CLIENT)
 ROLE_NAMES = tuple(role.name for role in RIG_ROLES)
 REQUIRED_NAMES = tuple(role.name for role in RIG_ROLES if not role.optional)
 """Those a node waits for by default."""
+REPLAY_NAMES = tuple(role.name for role in REPLAY_ROLES)
+"""Those the player waits for."""
 NODE_NAMES = tuple(role.name for role in NODES)
 KERNEL_NAMES = tuple(role.name for role in NODES if role.kernels)
 """Those that are started last: the others start while kernels are loaded."""

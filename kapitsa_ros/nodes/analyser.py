@@ -49,8 +49,16 @@ class AnalyserNode(StepNode):
             self._runs.append(run)
             results = {f'run {run.number}': run_values(run)}
         for name, values in results.items():
-            self.get_logger().info(f'{name}: {", ".join(f"{key} {_short(value)}" for key, value in values.items())}')
+            told = ', '.join(f'{key} {_short(value)}' for key, value in values.items() if _is_short(value))
+            self.get_logger().info(f'{name}: {told}')
         self.emit(RESULT, step.id, step.stamp_ns, results)
+
+
+def _is_short(value: Any) -> bool:
+    """Whether it is a number, a word or an interval; the rest is in the result."""
+    if isinstance(value, list):
+        return len(value) <= 2 and all(map(_is_short, value))  # both ends
+    return not isinstance(value, dict)
 
 
 def _short(value: Any) -> str:

@@ -14,6 +14,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
+_OF_LOG = {
+    'RCUTILS_CONSOLE_OUTPUT_FORMAT',
+    'RCUTILS_COLORIZED_OUTPUT',
+    'RCUTILS_LOGGING_USE_STDOUT',
+    'RCUTILS_LOGGING_BUFFERED_STREAM',
+}
+"""How a node's lines look is not the user's to say where the rig reads them (`NodeProcess`)."""
 _lock = threading.Lock()
 """Held while this module reads or changes the environment of the process, which all threads share."""
 _added: dict[str, str] = {}
@@ -36,7 +43,8 @@ def use_slow_heartbeats() -> None:
 def node_environment(domain: int) -> dict[str, str]:
     """Return the environment for a node of a rig in a domain."""
     with _lock:
-        return {**os.environ, **loopback(), 'ROS_DOMAIN_ID': str(domain)}
+        plain = {name: value for name, value in os.environ.items() if name not in _OF_LOG}
+        return {**plain, **loopback(), 'ROS_DOMAIN_ID': str(domain)}
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from kapitsa_ros.analysis.experiment import reduce_runs
 from kapitsa_ros.analysis.results import run_values
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
-from kapitsa_ros.network.registry import PLAYER, SESSION_MONITOR
+from kapitsa_ros.network.registry import PLAYER, REPLAY_NAMES, SESSION_MONITOR
 from kapitsa_ros.recording.naming import run_number
 from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import runs_of
@@ -23,7 +23,7 @@ from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.formation import Formation
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.preflight import prepare, refuse_unspeakable
-from kapitsa_ros.rig.setup import REPLAY_NAMES, parameters, replay_parameters
+from kapitsa_ros.rig.setup import parameters, replay_parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 

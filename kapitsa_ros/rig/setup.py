@@ -12,7 +12,7 @@ from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.configuration.rig_parameters import RigParameters
 from kapitsa_ros.configuration.step_parameters import StepParameters
-from kapitsa_ros.network.registry import REPLAY_ROLES, ROLE_NAMES
+from kapitsa_ros.network.registry import REPLAY_NAMES, ROLE_NAMES
 from kapitsa_ros.operator.protocol import MANUAL, Protocol
 from kapitsa_ros.physics.plant import Plant
 
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kapitsa_ros.instruments.settings import Instruments
-
-REPLAY_NAMES = tuple(role.name for role in REPLAY_ROLES)
 
 
 @dataclass(frozen=True, kw_only=True)

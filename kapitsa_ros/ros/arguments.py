@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import takewhile
+from itertools import pairwise, takewhile
 
 COMPOSED = 'composed'
 """In the place of a role: several nodes in one process; their roles follow, or else it is all those of a rig."""
@@ -33,3 +33,9 @@ def without_roles(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]:
 def beside_ros(arguments: list[str]) -> list[str]:
     """Return what stands between the role and the ROS arguments."""
     return arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
+
+
+def typed_parameters(arguments: list[str]) -> frozenset[str]:
+    """Return the names of the parameters that stand in the arguments themselves, and in no file."""
+    typed = (value for option, value in pairwise(arguments) if option in {'-p', '--param'})
+    return frozenset(value.partition(':=')[0].rpartition(':')[2] for value in typed)

@@ -33,11 +33,14 @@ class Composition:
     ----------
     creates
         What makes each node, once ROS is initialised, by its role.
+    typed
+        Names of parameters that were typed for this process, where those of a rig come in files.
 
     """
 
-    def __init__(self, creates: Mapping[str, Callable[[], ProcessNode]]) -> None:
+    def __init__(self, creates: Mapping[str, Callable[[], ProcessNode]], typed: frozenset[str] = frozenset()) -> None:
         self._creates = creates
+        self._typed = typed if len(creates) == 1 else frozenset()
         self._nodes: list[ProcessNode] = []
         self._loop: NodeLoop | None = None
         self._executor: Any = None
@@ -66,8 +69,11 @@ class Composition:
         """
         for role, create in self._creates.items():
             self._in_making = role
-            self._nodes.append(_create(create))
+            self._nodes.append(_create(create, self._typed))
             self._nodes[-1].wake = self._wake
+        for node in self._nodes:
+            self._in_making = node.role.name
+            node.open()
         self._loop = NodeLoop(self._nodes)
 
     def spin(self, parent: int | None) -> None:
@@ -115,7 +121,7 @@ class Composition:
             watchdog.disarm()
 
 
-def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
+def _create(create: Callable[[], ProcessNode], typed: frozenset[str]) -> ProcessNode:
     try:
         with destroying_half_made():
             node = create()
@@ -125,7 +131,7 @@ def _create(create: Callable[[], ProcessNode]) -> ProcessNode:
         raise SettingError(no_node_text(error)) from error
     except InvalidParameterTypeException as error:  # of what rclpy declares itself, as use_sim_time
         raise SettingError(f'parameter: {error}') from error
-    for line in unknown_parameters(node):
+    for line in unknown_parameters(node, typed):
         node.get_logger().warning(line)
     node.get_logger().info(f'joins domain {node.context.get_domain_id()}')
     return node

@@ -17,7 +17,7 @@ from rclpy.executors import ExternalShutdownException
 from kapitsa_ros.errors import shorten
 from kapitsa_ros.network.cdr import aligned, read_step_id, stamp_of
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.registry import KNOWN_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
+from kapitsa_ros.network.registry import KNOWN_NAMES, PLAYER, REPLAY_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.step_id import ends_session
@@ -75,9 +75,8 @@ class DataflowNode(ProcessNode):
 
     def __init__(self, role: Role) -> None:
         super().__init__(role)
-        expect = declare(
-            self, 'expect', list(REQUIRED_NAMES), 'roles of the graph: no step is emitted before they are matched'
-        )
+        names = REPLAY_NAMES if role is PLAYER else REQUIRED_NAMES
+        expect = declare(self, 'expect', list(names), 'roles of the graph: no step is emitted before they are matched')
         self.expected = frozenset(expect or ())
         unknown = self.expected - KNOWN_NAMES
         if unknown or not self.expected:

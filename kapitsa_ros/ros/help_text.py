@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import rclpy
+from rclpy.signals import SignalHandlerOptions
 
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.ros.arguments import COMPOSED, NO_LOG_FILES
 from kapitsa_ros.ros.parameters import noting_declarations
 from kapitsa_ros.ros.process_node import destroying_half_made
-from kapitsa_ros.ros.reachability import refuse_unreachable
+from kapitsa_ros.ros.reachability import RANGE, refuse_second_context, refuse_unreachable
 from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Iterator
 
     from kapitsa_ros.ros.parameters import Declaration
     from kapitsa_ros.ros.process_node import ProcessNode
+
+_OF_DISCOVERY = (RANGE, 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER', 'ROS_SECURITY_ENABLE')
+"""Variables that say whom a node finds."""
 
 
 def help_text(role: str, description: str, create: Callable[[], ProcessNode]) -> str:
@@ -29,10 +35,11 @@ def help_text(role: str, description: str, create: Callable[[], ProcessNode]) ->
         No node can be made here.
 
     """
+    refuse_second_context()
     refuse_unreachable()
     load_generator()
-    rclpy.init(args=NO_LOG_FILES)
-    with noting_declarations() as declared:
+    with _unseen(), noting_declarations() as declared:
+        rclpy.init(args=NO_LOG_FILES, domain_id=0, signal_handler_options=SignalHandlerOptions.NO)
         try:
             with destroying_half_made():
                 create().destroy_node()
@@ -42,6 +49,18 @@ def help_text(role: str, description: str, create: Callable[[], ProcessNode]) ->
             rclpy.try_shutdown()
     usage = f'usage: {role} [--ros-args -p PARAMETER:=VALUE ... --params-file FILE ...]'
     return '\n'.join([usage, '', description.strip(), '', 'parameters:', *map(_line, declared)])
+
+
+@contextmanager
+def _unseen() -> Iterator[None]:
+    """Let no other node see those that are made in the context: a rig would take one for a second writer."""
+    before = {name: os.environ.pop(name) for name in _OF_DISCOVERY if name in os.environ}
+    os.environ[RANGE] = 'OFF'
+    try:
+        yield
+    finally:
+        del os.environ[RANGE]
+        os.environ.update(before)
 
 
 def composed_help_text(roles: Iterable[str]) -> str:

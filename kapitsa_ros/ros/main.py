@@ -12,14 +12,15 @@ import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
+from kapitsa_ros.configuration.files import read_mapping
 from kapitsa_ros.errors import FAILED, KapitsaError, shorten
-from kapitsa_ros.ros.arguments import beside_ros, split_parent
+from kapitsa_ros.ros.arguments import beside_ros, split_parent, typed_parameters
 from kapitsa_ros.ros.composition import Composition
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
 from kapitsa_ros.ros.output_port import hold_output_port
-from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy
-from kapitsa_ros.ros.reachability import refuse_unreachable
+from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, security_text
+from kapitsa_ros.ros.reachability import refuse_second_context, refuse_unreachable
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 from kapitsa_ros.ros.type_support import load_generator
 
@@ -65,7 +66,12 @@ def run_composed(arguments: list[str], creates: Mapping[str, Callable[[], Proces
 
     """
     arguments, parent = split_parent(arguments)
-    composition = Composition(creates)
+    try:
+        refuse_second_context()
+    except SettingError as error:
+        print(f'{arguments[0]}: error: {error}', file=sys.stderr, flush=True)
+        return error.exit_status
+    composition = Composition(creates, typed_parameters(arguments))
     status = FAILED
     try:
         _start(arguments)
@@ -101,8 +107,8 @@ def _start(arguments: list[str]) -> None:
     if own := beside_ros(arguments):
         raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
     for option, value in itertools.pairwise(arguments):
-        if option == '--params-file' and not Path(value).is_file():
-            raise SettingError(f'--params-file {value}: there is no such file')
+        if option == '--params-file':
+            _refuse_params_file(Path(value))
     refuse_unreachable()
     hold_output_port()
     load_generator()
@@ -110,4 +116,13 @@ def _start(arguments: list[str]) -> None:
     try:
         rclpy.init(args=[*arguments, *without_log_files()], signal_handler_options=SignalHandlerOptions.NO)
     except (RCLError, UnknownROSArgsError) as error:
-        raise SettingError(f'ROS arguments: {first_line(error)}') from error
+        raise SettingError(security_text(error) or f'ROS arguments: {first_line(error)}') from error
+
+
+def _refuse_params_file(path: Path) -> None:
+    """Refuse what rcl would take for a file of no parameters, and say nothing."""
+    if not path.is_file():
+        raise SettingError(f'--params-file {path}: there is no such file')
+    nodes = read_mapping(path, SettingError)
+    if not all(isinstance(node, dict) for node in nodes.values()):
+        raise SettingError(f'--params-file {path}: below the name of a node, or `/**`, stands `ros__parameters:`')

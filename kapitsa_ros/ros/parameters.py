@@ -98,6 +98,7 @@ def declare(  # noqa: PLR0917
             descriptor.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
         else:
             descriptor.integer_range = [IntegerRange(from_value=low, to_value=high)]
+    _meet_type(node, name, default)
     wanted = Parameter('', value=default).type_.name.lower().replace('_', ' ')
     article = 'an' if wanted.startswith('i') else 'a'
     try:
@@ -116,6 +117,21 @@ def declare(  # noqa: PLR0917
     if isinstance(default, list):  # rcl makes nothing at all of []
         return []
     raise SettingError(f'parameter {name} is empty: it must be {article} {wanted}')
+
+
+def _meet_type(node: Node, name: str, default: Any) -> None:
+    """Take a whole number for the text that it is where a text is wanted, and one text for a list of one.
+
+    YAML makes a number of `-p protocol:=1997`, and no list of `-p bags:=runs`.
+    """
+    given = node._parameter_overrides.get(name)  # noqa: SLF001  # no public way
+    if given is None:
+        return
+    value = given.value
+    if isinstance(default, str) and isinstance(value, int) and not isinstance(value, bool):
+        node._parameter_overrides[name] = Parameter(name, value=str(value))  # noqa: SLF001
+    elif isinstance(default, list) and isinstance(value, str):
+        node._parameter_overrides[name] = Parameter(name, value=[value])  # noqa: SLF001
 
 
 def declare_set(node: Node, kind: type[_Set], *names: str, defaults: _Set | None = None) -> _Set:
@@ -166,13 +182,24 @@ def declare_quantity(
     return declare(node, name, usual, description_of(item), low, item.high, read_only=read_only)
 
 
-def unknown_parameters(node: Node) -> list[str]:
-    """Return in words which parameters a node was given that no role has; those of other roles are in a rig's files."""
+def unknown_parameters(node: Node, typed: frozenset[str] = frozenset()) -> list[str]:
+    """Return in words which parameters a node was given that it does not have.
+
+    Parameters
+    ----------
+    node
+        That has declared its own.
+    typed
+        Names of those that were meant for this node. Of others, those of other roles are not told: a rig's file has
+        all, and each node takes its own.
+
+    """
     declared = set(node.get_parameters_by_prefix('')) | {'use_sim_time'}
     names = sorted(declared | _OF_ROLES)
     unknown = sorted(set(node._parameter_overrides) - set(names))  # noqa: SLF001  # no public way
     likely = {name: get_close_matches(name, names, n=1) for name in unknown if not name.startswith('qos_overrides.')}
-    return [
+    others = sorted((typed & _OF_ROLES) - declared)
+    return [f'parameter {name} is that of another role: it is not used here' for name in others] + [
         f'parameter {name} is unknown{f": {close[0]} may be meant" if close else ""}' for name, close in likely.items()
     ]
 

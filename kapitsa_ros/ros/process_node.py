@@ -70,6 +70,16 @@ class ProcessNode(Node):
 
         return call
 
+    def open(self) -> None:
+        """Serve others than ROS: called once, when all nodes of the process are made, and not where help is asked for.
+
+        Raises
+        ------
+        SettingError
+            It cannot be done as the parameters want it.
+
+        """
+
     def poll(self) -> float:
         """Do what is due; return the seconds until the next call."""
         raise NotImplementedError

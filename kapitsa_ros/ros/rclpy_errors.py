@@ -11,12 +11,19 @@ from rclpy.executors import ExternalShutdownException
 
 def no_node_text(error: Exception) -> str:
     """Return in one line why no node can be made; rcl gives ten, and of security no reason at all."""
-    if os.environ.get('ROS_SECURITY_ENABLE', '').lower() == 'true':
-        return (
-            f'no node can be made with ROS_SECURITY_ENABLE=true ({first_line(error)}): security needs keys in '
-            'ROS_SECURITY_KEYSTORE and a Fast DDS with its plugins, as a ROS installation has it; or unset it'
-        )
+    if text := security_text(error):
+        return text
     return f'no node can be made, ROS_DOMAIN_ID is {os.environ.get("ROS_DOMAIN_ID", "unset")}: {first_line(error)}'
+
+
+def security_text(error: Exception) -> str | None:
+    """Return the same where security is asked for, which fails for no reason given without keys or plugins."""
+    if os.environ.get('ROS_SECURITY_ENABLE', '').lower() != 'true':
+        return None
+    return (
+        f'no node can be made with ROS_SECURITY_ENABLE=true ({first_line(error)}): security needs keys in '
+        'ROS_SECURITY_KEYSTORE and a Fast DDS with its plugins, as a ROS installation has it; or unset it'
+    )
 
 
 def first_line(error: Exception) -> str:

@@ -14,6 +14,7 @@ from kapitsa_ros.network.registry import RECORDED
 from kapitsa_ros.recording.reader import RunBag, open_runs
 from kapitsa_ros.rig.environment import node_environment
 
+PATIENCE = 180.0
 FORMS = ['mcap-none', 'mcap-message', 'mcap-file', 'sqlite3-none', 'sqlite3-message']
 SCRIPT = """
 import importlib, signal, sys, threading, time
@@ -96,11 +97,11 @@ def test_a_session_recorded_by_others_is_what_the_rig_itself_recorded(tmp_path: 
             assert recorder.stdout.read(1) == b'.', 'it has heard of the topics, somewhere in the first run'
             rig.reset()
             rig.request_speed(2500)
-            rig.wait_for('strobe/reading', lambda reading: reading.speed > 0)
+            rig.wait_for('strobe/reading', lambda reading: reading.speed > 0, timeout=PATIENCE)
             rig.release(0.12)
-            rig.wait_for('stopwatch/reading')
+            rig.wait_for('stopwatch/reading', timeout=PATIENCE)
             rig.reset()
-            rig.wait_for('analyser/result')
+            rig.wait_for('analyser/result', timeout=PATIENCE)
         recorder.send_signal(signal.SIGINT)
         assert recorder.wait(timeout=180) == 0
     own = {run.number: run for run in map(RunBag, sorted((tmp_path / 'own').iterdir()))}

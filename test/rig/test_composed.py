@@ -57,7 +57,7 @@ def test_bags_and_results_are_those_of_seven_processes(
 def test_longer_steps_are_as_good_and_take_fewer_messages(tmp_path: Path) -> None:
     with Rig(bags=tmp_path, composed=True, steps=StepParameters(step=0.4, in_flight=1)) as rig:
         rig.request_speed(2500)
-        rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.size == 401)
+        rig.wait_for('jigsaw/pivot', lambda pivot: pivot.position.size == 401, timeout=PATIENCE)
         rig.release(0.1)
         rig.wait_for('pendulum/motion', lambda motion: motion.position[-1] < 0, PATIENCE)
         rig.reset()
@@ -76,7 +76,7 @@ def test_a_rig_in_one_process_is_worked_as_any_and_named_where_it_is_killed(
         assert rig.processes.keys() == set(ROLE_NAMES)
         rig.request_speed(2500)
         rig.release(0.1)
-        assert rig.wait_for('stopwatch/reading').displayed > 0.5
+        assert rig.wait_for('stopwatch/reading', timeout=PATIENCE).displayed > 0.5
         rig.pause()
         rig.step(3)
         rig.resume()

@@ -109,14 +109,14 @@ def test_a_killed_server_ends_the_rig_and_its_nodes_in_order(
         assert len(watches) == len(ROLE_NAMES)
         os.kill(own_server.pid, signal.SIGKILL)
         with pytest.raises(RigError, match='forked from was killed'):
-            rig.wait_for('stopwatch/reading')
+            rig.wait_for('stopwatch/reading', timeout=PATIENCE)
         for watch in watches:
             assert select.select([watch], [], [], PATIENCE)[0]
             os.close(watch)
         [bag] = rig.bags.iterdir()
         assert not RunBag(bag).complete
     with Rig() as rig:
-        rig.wait_for('pendulum/motion')
+        rig.wait_for('pendulum/motion', timeout=PATIENCE)
 
 
 def test_a_node_whose_start_was_interrupted_leaves(

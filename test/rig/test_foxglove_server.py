@@ -105,11 +105,11 @@ def test_a_client_sees_a_rig_and_works_at_it() -> None:
         ]
         client.publish('/operator/release', math.nan)  # the operator's to refuse
         assert client.call('/jigsaw/resume')[0]
-        assert rig.wait_for('operator/command', lambda command: command.speed == 262.0)
+        assert rig.wait_for('operator/command', lambda command: command.speed == 262.0, timeout=PATIENCE)
         succeeded, next_run = client.call('/jigsaw/reset')
         assert (succeeded, next_run) == (True, 'run 2 step 0')
         client.until(lambda: client.times[-1] > 2 * DAY)
-        assert rig.wait_for('operator/command', lambda command: command.hold is not None)
+        assert rig.wait_for('operator/command', lambda command: command.hold is not None, timeout=PATIENCE)
 
         # A client that comes later is told what is latched, and only it.
         with FoxgloveClient(client.port) as second:

@@ -75,10 +75,10 @@ def drain(rig: Rig, topic: str) -> int:
 def timed(rig: Rig, rpm: float, angle: float) -> float:
     """Return the period read after a release."""
     rig.request_speed(rpm)
-    reading = rig.wait_for('strobe/reading', lambda reading: abs(reading.speed / RPM - rpm) < 1)
+    reading = rig.wait_for('strobe/reading', lambda reading: abs(reading.speed / RPM - rpm) < 1, timeout=PATIENCE)
     assert reading.speed == pytest.approx(rpm * RPM, rel=1e-8)
     rig.release(angle)
-    reading = rig.wait_for('stopwatch/reading')
+    reading = rig.wait_for('stopwatch/reading', timeout=PATIENCE)
     assert reading.kind == 'timed'
     return reading.displayed / reading.swings
 
@@ -98,7 +98,7 @@ def test_a_manual_run_is_replayed_to_the_same_digits(lab: Rig) -> None:
     path = newest_bag(lab)
     lab.reset()
     number = RunBag(path).run.number
-    live = lab.wait_for('analyser/result', lambda result: f'run {number}' in result)[f'run {number}']
+    live = lab.wait_for('analyser/result', lambda result: f'run {number}' in result, timeout=PATIENCE)[f'run {number}']
     assert live['period_s'] == pytest.approx(periods[-1])  # of the speed that was set last
     lab.set_rate(0.1)  # the next run would take the machine from the replay
     bag = RunBag(path)
@@ -124,9 +124,9 @@ def test_a_reset_begins_anew(lab: Rig) -> None:
     before = newest_bag(lab)
     lab.reset()
     assert lab.latest('stopwatch/reading') is None
-    first = lab.wait_for('pendulum/motion')
+    first = lab.wait_for('pendulum/motion', timeout=PATIENCE)
     assert set(first.position) == {0.12}
-    assert set(lab.wait_for('jigsaw/pivot').rate) == {0.0}
+    assert set(lab.wait_for('jigsaw/pivot', timeout=PATIENCE).rate) == {0.0}
     assert RunBag(before).complete
     assert timed(lab, 2400, 0.1) == pytest.approx(RunBag(before).run.period, abs=1e-3)
     assert newest_bag(lab) != before
@@ -149,7 +149,7 @@ def test_what_a_time_that_runs_or_stands_cannot_do_is_said(lab: Rig) -> None:
         lab.pause()
     lab.step(2)
     lab.resume()
-    assert lab.wait_for('pendulum/motion') is not None
+    assert lab.wait_for('pendulum/motion', timeout=PATIENCE) is not None
 
 
 def test_news_are_all_that_was_said_once_and_in_order(paused: Rig) -> None:
@@ -212,10 +212,10 @@ def test_a_reset_while_time_stands_still(paused: Rig) -> None:
 def test_the_rate_can_be_changed(lab: Rig) -> None:
     try:
         lab.set_rate(2.0)
-        lab.wait_for('pendulum/motion', lambda _: drain(lab, 'pendulum/motion') == 0)
+        lab.wait_for('pendulum/motion', lambda _: drain(lab, 'pendulum/motion') == 0, timeout=PATIENCE)
         begun = time.monotonic()
         for _ in range(20):
-            lab.wait_for('pendulum/motion')
+            lab.wait_for('pendulum/motion', timeout=PATIENCE)
         # A second, less the half that a rig may be behind and catches up. Flat out it would be a tenth of a second.
         assert time.monotonic() - begun > 0.4
         for wrong in (math.nan, -1.0, 1e9):
@@ -313,7 +313,7 @@ def test_what_does_not_come_and_what_is_not_there(lab: Rig) -> None:
 
 def test_a_death_is_told_at_once() -> None:
     with Rig() as rig:
-        rig.wait_for('pendulum/motion')
+        rig.wait_for('pendulum/motion', timeout=PATIENCE)
         pids = [process.pid for process in rig.processes.values()]
         rig.processes['stopwatch'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='stopwatch was killed by SIGKILL'):
@@ -362,14 +362,14 @@ def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
     protocol.write_text('speeds: [2240]')
     with Rig(protocol=str(protocol), bags=tmp_path / 'A', rate=1) as one, Rig(rate=5) as two:
         assert one.domain != two.domain
-        one.wait_for('pendulum/motion')
+        one.wait_for('pendulum/motion', timeout=PATIENCE)
         one.reset()
         one.set_rate(0)
         two.request_speed(2500)
-        one.wait_for('analyser/result', lambda result: 'experiment' in result)
+        one.wait_for('analyser/result', lambda result: 'experiment' in result, timeout=PATIENCE)
         with pytest.raises(UsageError, match='carries out the protocol'):
             one.request_speed(2000)
-        assert two.wait_for('strobe/reading').speed == pytest.approx(2500 * RPM, abs=1.5)
+        assert two.wait_for('strobe/reading', timeout=PATIENCE).speed == pytest.approx(2500 * RPM, abs=1.5)
     bags = [RunBag(path) for path in sorted((tmp_path / 'A').iterdir())]
     assert [bag.path.name for bag in bags] == ['run_01_2240rpm', 'run_02_2240rpm']
     assert [bag.run.period is None for bag in bags] == [True, False]

@@ -108,3 +108,11 @@ def test_a_node_that_finds_no_file_descriptor_is_not_left_running(
             NodeGroup(['pendulum'], {'expect': ['jigsaw', 'operator']}, domain)
     assert children(server.pid) == before
     assert descriptors() == open_before
+
+
+def test_nodes_are_heard_however_the_user_wants_lines_to_look(domain: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv('RCUTILS_CONSOLE_OUTPUT_FORMAT', '[{name}] {message} ({function_name}() at {file_name})')
+    monkeypatch.setenv('RCUTILS_LOGGING_USE_STDOUT', '1')
+    with NodeGroup(['strobe'], {}, domain) as nodes:
+        assert nodes['strobe'].wait_for_line('joins domain', 30.0)
+        assert nodes['strobe'].has_joined

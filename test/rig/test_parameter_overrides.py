@@ -15,6 +15,8 @@ from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.launch_arguments import rig_from
 from kapitsa_ros.rig.setup import parameters
 
+PATIENCE = 180.0
+
 pytestmark = pytest.mark.xdist_group('harness')
 
 
@@ -27,7 +29,7 @@ def recorded(run: RunBag) -> Instruments:
 def end_first_run(rig: Rig) -> None:
     """The second run moves only when the first has been recorded."""
     rig.reset()
-    rig.wait_for('pendulum/motion')
+    rig.wait_for('pendulum/motion', timeout=PATIENCE)
 
 
 def first_run(bags: Path) -> RunBag:

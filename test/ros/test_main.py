@@ -75,6 +75,58 @@ def test_the_program_that_ran_a_node_lives_on(domain: int) -> None:
     assert host.returncode == 0
 
 
+AFTER_HELP = """
+from kapitsa_ros.nodes.__main__ import main
+main(['pendulum', '--help'])
+raise SystemExit(main(['pendulum']))
+"""
+
+
+def test_a_node_hears_signals_in_a_program_that_has_asked_for_help(domain: int) -> None:
+    host = subprocess.Popen(
+        script(AFTER_HELP), env=node_environment(domain), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    interrupt_once_joined(host)
+    host.communicate(timeout=PATIENCE)
+    assert host.returncode == 0
+
+
+IN_ROS = """
+import rclpy
+from kapitsa_ros.nodes.__main__ import main
+rclpy.init()
+print(main(['pendulum']), main(['pendulum', '--help']), rclpy.ok())
+rclpy.shutdown()
+"""
+
+
+def test_a_program_that_is_at_work_with_ros_is_told_so_and_goes_on(domain: int) -> None:
+    done = run(IN_ROS, domain)
+    assert done.stdout == '2 2 True\n'
+    assert done.stderr.splitlines() == 2 * [
+        'pendulum: error: ROS is initialised in this program: call rclpy.shutdown() before, or use kapitsa_ros.Rig'
+    ]
+
+
+def test_nobody_in_the_domain_sees_a_node_that_is_asked_for_help(domain: int) -> None:
+    """A rig would take it for a second writer."""
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        observer = Node('observer', context=context)
+    seen: set[str] = set()
+    helped = subprocess.Popen(
+        [sys.executable, '-m', 'kapitsa_ros.nodes', 'strobe', '--help'],
+        env=node_environment(domain),
+        stdout=subprocess.DEVNULL,
+    )
+    while helped.poll() is None:
+        seen.update(observer.get_node_names())
+    observer.destroy_node()
+    context.shutdown()
+    assert (helped.returncode, seen) == (0, {'observer'})
+
+
 BUG = """
 import sys
 import kapitsa_ros.nodes.pendulum as pendulum

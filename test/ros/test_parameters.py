@@ -15,6 +15,7 @@ from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.parameters_yaml import parameters_yaml
 from kapitsa_ros.rig.setup import Replay, Setup, parameters, replay_parameters
+from kapitsa_ros.ros.arguments import typed_parameters
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.parameters import declare, declare_quantity, declare_set, unknown_parameters
 
@@ -63,6 +64,33 @@ def test_what_all_nodes_of_a_rig_or_a_replay_are_given_is_known_to_each(node_wit
     for given in (parameters(Setup()), replay_parameters([Path('run')], Replay())):
         assert unknown_parameters(node_with(**given)) == []
         assert len(unknown_parameters(node_with(**given, lenght=0.3))) == 1
+
+
+def test_what_was_typed_for_one_node_and_is_another_role_s_is_told(node_with):
+    node = node_with(amplitude=0.02, length=0.3)
+    declare_set(node, Plant, 'length')
+    assert unknown_parameters(node) == []
+    told = unknown_parameters(node, frozenset({'amplitude', 'length'}))
+    assert told == ['parameter amplitude is that of another role: it is not used here']
+    arguments = [
+        'pendulum',
+        '--ros-args',
+        '-p',
+        'amplitude:=0.02',
+        '--params-file',
+        'x',
+        '--param',
+        'pendulum:length:=1',
+    ]
+    assert typed_parameters(arguments) == {'amplitude', 'length'}
+
+
+def test_a_number_is_taken_for_the_text_that_was_typed_and_a_text_for_a_list_of_one(node_with):
+    node = node_with(protocol=1997, bags='run', other=True)
+    assert declare(node, 'protocol', 'manual', 'what is done') == '1997'
+    assert declare(node, 'bags', [''], 'folders') == ['run']
+    with pytest.raises(SettingError, match='other must be a string'):
+        declare(node, 'other', 'text', 'a text')
 
 
 def test_fields_that_are_not_named_are_not_declared(node_with):

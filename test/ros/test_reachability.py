@@ -24,6 +24,7 @@ from kapitsa_ros.ros.shared_memory import refuse_full_shared_memory
         ('ROS_DOMAIN_ID', '-1', 'ROS_DOMAIN_ID is -1'),
         ('ROS_DOMAIN_ID', 'x', 'ROS_DOMAIN_ID is x'),
         ('ROS_DOMAIN_ID', '\u0667', 'give a number from 0 to 232'),
+        ('RCUTILS_COLORIZED_OUTPUT', '7', 'RCUTILS_COLORIZED_OUTPUT is 7: give 0 or 1'),
         ('FASTRTPS_DEFAULT_PROFILES_FILE', '/nowhere.xml', 'names /nowhere.xml, which is not there'),
     ],
 )
