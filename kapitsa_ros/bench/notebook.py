@@ -115,7 +115,8 @@ class Notebook:
             The disk does not take it.
 
         """
-        self._save([*self.lines, ' '.join(text.split())])
+        line = ' '.join(text.split())
+        self._save([*self.lines, text if text == line else line])  # a `Message` stays one
 
     def strike_out(self, number: int | None = None) -> Row | None:
         """Strike a line out: it stays legible, and is no reading any more.

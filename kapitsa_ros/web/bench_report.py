@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.bench.bench_state import FASTEST, READ_BY_RIG
 from kapitsa_ros.bench.notebook import WrittenRow
 from kapitsa_ros.instruments.lamp import AFTERIMAGE
-from kapitsa_ros.message import Message
+from kapitsa_ros.message import Message, said_by
 from kapitsa_ros.web.catalogue import words_of
 from kapitsa_ros.web.reading_message import reading_message
 
@@ -27,7 +27,7 @@ def report(bench: WebBench, page: PageClient) -> dict[str, str]:
     parts = {
         'knobs': _knobs(bench.state, bench.now()),
         'rig': _rig(bench, page, words),
-        'book': _book(bench.state),
+        'book': _book(bench.state, words),
         'fit': bench.fit.values(words),
         'messages': {'messages': _messages(bench, words)},
     }
@@ -88,7 +88,7 @@ def _messages(bench: WebBench, words: dict[str, str]) -> list[str]:
     return [message.said_by(words) for message in newest]
 
 
-def _book(state: BenchState) -> dict[str, Any]:
+def _book(state: BenchState, words: dict[str, str]) -> dict[str, Any]:
     return {
         'lines': [
             {
@@ -101,7 +101,7 @@ def _book(state: BenchState) -> dict[str, Any]:
                 'struck': line.struck,
             }
             if isinstance(line, WrittenRow)
-            else {'note': line}
+            else {'note': said_by(line, words)}
             for line in state.notebook.lines
         ]
     }

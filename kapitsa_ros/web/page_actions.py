@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.bench.notebook import WrittenRow
 from kapitsa_ros.errors import KapitsaError, said_of
+from kapitsa_ros.message import Message
 from kapitsa_ros.units import RPM, parse_angle, parse_speed
 from kapitsa_ros.web.errors import PageRequestError
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 MOST_LINES = 500
 """Of the book, notes not counted."""
 _MOST_SWINGS, _MOST_IMAGES = 999, 9
+_LOOKED = Message('run {run}, {time:.1f} s: the plot of the angle is looked at')
 
 
 async def carry_out(bench: WebBench, request: PageRequest) -> None:
@@ -116,7 +118,7 @@ def _show_rig_readings(bench: WebBench, controls: BenchControls, value: None) ->
 def _look_at_plot(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
     if not bench.plot_seen and bench.plot_noted_in != bench.state.run:
         try:
-            bench.state.notebook.note(f'run {bench.state.run}, {bench.now():.1f} s: the plot of the angle is looked at')
+            bench.state.notebook.note(Message(_LOOKED, run=bench.state.run, time=bench.now()))
         except OSError as error:
             raise PageRequestError('the book cannot note that: {why}', why=said_of(error)) from error
         bench.plot_noted_in = bench.state.run

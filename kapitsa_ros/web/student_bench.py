@@ -36,6 +36,7 @@ STEPS = StepParameters(step=0.4, in_flight=1)
 SLEEP_AFTER = 20.0
 """Wall seconds without a page after which time stands still at a bench."""
 MOST_HAND_INS = 100
+_NOTED = Message('run {run} was cut off; {seconds:.1f} s of it are recorded')
 _CUT = Message(
     'the server was ended in run {run}, of which {seconds:.1f} s are recorded; the next run has the speed that was set'
 )
@@ -212,7 +213,7 @@ class StudentBench(WebBench):
         """Note in the book that the last run was cut off, and offer the next."""
         async with self._starts:
             seconds = await asyncio.to_thread(self._recorded_seconds)
-        note = f'run {self.record.run} was cut off; {seconds:.1f} s of it are recorded'
+        note = Message(_NOTED, run=self.record.run, seconds=seconds)
         try:
             if note not in self.state.notebook.lines:
                 self.state.notebook.note(note)
