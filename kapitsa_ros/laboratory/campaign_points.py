@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.configuration.campaign_ranges import Ranges, Value
 
-_Made = TypeVar('_Made')
+_Result = TypeVar('_Result')
 _OF_PLANT = frozenset(item.name for item in describe(Plant))
 
 
@@ -48,17 +48,17 @@ def campaign_points(ranges: Ranges, experiment: SimulatedExperiment) -> tuple[Ca
 
     """
     varied = [ranges.values(number) for number in range(len(ranges.points))]
-    experiments = [_experiment(values, experiment) for values in varied]  # what cannot be is said before any work
+    made = [_naming(values, _experiment_at, values, experiment) for values in varied]  # all, before any work is done
     truths: dict[Plant, float] = {}
     points = []
-    for values, made in zip(varied, experiments, strict=True):
-        if made.plant not in truths:
-            truths[made.plant] = _naming(values, omega_crit_with_play, made.plant)
-        points.append(CampaignPoint(factors=values, experiment=made, truth=truths[made.plant]))
+    for values, each in zip(varied, made, strict=True):
+        if each.plant not in truths:
+            truths[each.plant] = _naming(values, omega_crit_with_play, each.plant)
+        points.append(CampaignPoint(factors=values, experiment=each, truth=truths[each.plant]))
     return tuple(points)
 
 
-def _naming(values: Mapping[str, Value], function: Callable[..., _Made], *given: Any) -> _Made:
+def _naming(values: Mapping[str, Value], function: Callable[..., _Result], *given: Any) -> _Result:
     """Call a function; what it refuses is told with the values of the point."""
     try:
         return function(*given)
@@ -69,11 +69,7 @@ def _naming(values: Mapping[str, Value], function: Callable[..., _Made], *given:
         raise ConfigurationError(f'{where}: {error}' if where else str(error)) from error
 
 
-def _experiment(values: Mapping[str, Value], experiment: SimulatedExperiment) -> SimulatedExperiment:
-    return _naming(values, _made, values, experiment)
-
-
-def _made(values: Mapping[str, Value], experiment: SimulatedExperiment) -> SimulatedExperiment:
+def _experiment_at(values: Mapping[str, Value], experiment: SimulatedExperiment) -> SimulatedExperiment:
     numbers = {name: value for name, value in values.items() if not isinstance(value, str)}
     of_plant = {name: value for name, value in numbers.items() if name in _OF_PLANT}
     of_instruments = {name: value for name, value in numbers.items() if name not in _OF_PLANT}
