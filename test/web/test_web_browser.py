@@ -252,6 +252,10 @@ def test_only_who_takes_hold_of_the_rod_and_pulls_lets_it_go(open_page: Callable
     page.mouse.move(middle + 30, high)
     page.mouse.up()
     assert page.evaluate('() => window.asked') == ['angle', 'release']
+    page.reload()
+    playwright.expect(the(page, 'step')).to_be_enabled(timeout=PATIENCE)
+    page.keyboard.press('p')
+    wait_text(page, 'pause', 'Pause')
 
 
 def test_what_an_exposure_shows_is_no_alias(open_page: Callable[..., Any]) -> None:

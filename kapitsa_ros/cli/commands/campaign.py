@@ -93,9 +93,8 @@ def campaign(
     )
     found = result.summary
     if as_json:
-        points = {'points': _points(result)} if ranges is not None else {}
-        more = {'wall_s': result.wall, 'efficiency': result.efficiency, 'failures': _failures(result)}
-        print_json(_values(found) | more | points)
+        points = {'points': _points(result), 'failures': _failures(result)} if ranges is not None else {}
+        print_json(_values(found) | {'wall_s': result.wall, 'efficiency': result.efficiency} | points)
         return
     if ranges is None:
         _show_one_point(result, plant, [f'{speed / RPM:.0f}' for speed in load_protocol(protocol).speeds])
