@@ -95,6 +95,7 @@ def screen(browser: Any, link: str, prepare: Callable[[Any], None], size: tuple[
 
 def bench(page: Any) -> None:
     """Have the shaft turn, the lamp flash and the rod swing; write down three lines before, unless they are there."""
+    expect(page.get_by_test_id('status')).to_contain_text('run', timeout=PATIENCE)
     drawn(page)
     if not page.get_by_role('button', name='strike out line 1').count():
         for forcing, three_swings in READ.items():

@@ -38,8 +38,10 @@ async def carry_out(bench: WebBench, request: PageRequest) -> None:
     if request.name == 'hand-in':
         bench.hand_in(request.value)
         return
-    if bench.controls is None or bench.failure is not None:
+    if bench.failure is not None:
         raise PageRequestError('there is no rig: begin the next run')
+    if bench.controls is None:
+        raise PageRequestError('the nodes are starting: a moment')
     try:
         _ACTIONS[request.name](bench, bench.controls, request.value)
     except KapitsaError as error:
