@@ -130,8 +130,8 @@ class CampaignFile:
     def _naming_the_file(self) -> Iterator[None]:
         try:
             yield
-        except (OSError, ValueError) as error:  # Arrow's own errors are of the latter
-            why = os.strerror(error.errno) if isinstance(error, OSError) and error.errno else error
+        except OSError as error:
+            why = os.strerror(error.errno) if error.errno else error
             raise DiskError(
                 f'{self.path}: cannot be written ({why}); what was finished is kept: make room, then go on by --resume'
             ) from error

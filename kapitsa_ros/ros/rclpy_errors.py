@@ -17,7 +17,7 @@ def no_node_text(error: Exception) -> str:
 
 
 def security_text(error: Exception) -> str | None:
-    """Return the same where security is asked for, which fails for no reason given without keys or plugins."""
+    """Return in one line what security needs, where it is asked for and rcl fails; None where it is not."""
     if os.environ.get('ROS_SECURITY_ENABLE', '').lower() != 'true':
         return None
     return (

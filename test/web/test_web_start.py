@@ -2,6 +2,7 @@
 
 import os
 import pty
+import select
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,14 @@ from typing import Any
 import pytest
 
 pytest.importorskip('uvicorn')
+PATIENCE = 180.0
 
 
 def read_until(terminal: int, text: bytes) -> bytes:
     """Read what comes on a terminal, until a text or until nobody writes there any more."""
     seen = b''
     while text not in seen:
+        assert select.select([terminal], [], [], PATIENCE)[0], seen
         try:
             seen += os.read(terminal, 4096)
         except OSError:

@@ -146,7 +146,7 @@ function draw() {
   }
   const missing = motion.isMissing(time) || !run().step;
   const rig = { ...run(), pace: replay.pace, paused: !motion.playing };
-  drawRig($('rig'), rig, colors, missing ? { exposure: () => [] } : motion, time, exposure(motion.playing ? replay.pace : 0), null);
+  drawRig($('rig'), rig, colors, missing ? { exposure: () => [] } : motion, time, motion.playing ? exposure(replay.pace) : 0, null);
   drawLamp($('lamp'), rig, motion, time, replay.dial > 0, say('the lamp is off'));
   drawScale($('scale'), replay.dial, run().graduation, colors);
   drawAngle($('angle-plot'), motion, time, colors);
