@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import logsumexp
 
 from kapitsa_ros.analysis.critical_speed.likelihood import FLOOR, Likelihood
 from kapitsa_ros.analysis.critical_speed.posterior import HIGHEST, rods_of_prior
@@ -62,23 +61,23 @@ def probable_counts(
     if not index or not assumptions.miscount_probability:
         return as_noted
     log_likelihood, of_bounds = _log_likelihoods(rows, index, ruler, gravity, assumptions)
-    height = log_likelihood.max(axis=0).sum(axis=1) + of_bounds
-    best = log_likelihood[:, height > height.max() - _NEAR].argmax(axis=0)
+    height = log_likelihood.max(axis=0).sum(axis=0) + of_bounds
+    best = log_likelihood[:, :, height > height.max() - _NEAR].argmax(axis=0)
     places = _WRONG.size ** np.arange(len(index))[::-1]
-    candidates = np.unique(best @ places)[:, None] // places % _WRONG.size
+    candidates = np.unique(places @ best)[:, None] // places % _WRONG.size
     each = np.arange(len(index))
     weight = np.array(
-        [logsumexp(log_likelihood[candidate, :, each].sum(axis=0) + of_bounds) for candidate in candidates]
+        [np.logaddexp.reduce(log_likelihood[candidate, each].sum(axis=0) + of_bounds) for candidate in candidates]
     )
     order = np.argsort(-weight)[:_MOST]
-    kept = order[weight[order] - logsumexp(weight) > math.log(_NEGLIGIBLE)]
+    kept = order[weight[order] - np.logaddexp.reduce(weight) > math.log(_NEGLIGIBLE)]
     return tuple(_counts(rows, index, _WRONG[candidates[number]], assumptions) for number in kept) or as_noted
 
 
 def _log_likelihoods(
     rows: Sequence[TimingRow], index: Sequence[int], ruler: Ruler, gravity: float, assumptions: Assumptions
 ) -> tuple[Array, Array]:
-    """Return ln L of timings that were counted right, one short and one over, shape (3, M, N), and of falls, (M,)."""
+    """Return ln L of timings that were counted right, one short and one over, shape (3, N, M), and of falls, (M,)."""
     alone = [replace(row, run=None) for row in rows if row.kind != 'timed' or row.unused is not None]
     evidence = evidence_of([*alone, *(replace(rows[number], run=None) for number in index)])
     timed, swings = evidence.timed, evidence.swings
@@ -95,20 +94,21 @@ def _log_likelihoods(
     amplitude, damping, coulomb = (
         np.repeat(each, _THRESHOLDS) for each in (rods.amplitude, rods.damping, rods.coulomb)
     )
-    expected, doubt = likelihood.model.periods(threshold, amplitude, damping, coulomb)
-    reach = (likelihood.model.k(threshold, amplitude) * amplitude)[:, None]
-    steepness = reach**2 * timed.forcing * expected**2 / (8.0 * math.pi**2)  # −d ln T/dω
-    relative = np.sqrt(
-        (timed.period_sigma / timed.period) ** 2 + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + _COARSE**2
-    )
+    # A row a timing from here on: loops over many rods are faster than many loops over few timings.
+    expected, doubt = (each.T.copy() for each in likelihood.model.periods(threshold, amplitude, damping, coulomb))
+    reach = likelihood.model.k(threshold, amplitude) * amplitude
+    of_speed = timed.forcing * timed.forcing_sigma / (8.0 * math.pi**2)
+    steepness = of_speed[:, None] * reach**2 * expected**2  # −d ln T/dω, times the error of the speed
+    constant = (timed.period_sigma / timed.period) ** 2 + _COARSE**2
+    relative = np.sqrt(constant[:, None] + steepness**2 + doubt**2)
     prior = _log_priors(assumptions)[:, None] - np.log(true_swings, where=possible, out=np.zeros_like(period))
-    density = np.nan_to_num(period, nan=np.inf)[:, None, :] / expected  # in place from here on: it is a large array
+    density = np.nan_to_num(period, nan=np.inf)[:, :, None] / expected  # in place from here on: it is a large array
     density -= 1.0
     density /= relative
     density *= density
     density *= -0.5
     density -= np.log(relative * expected)
-    density += prior[:, None, :]
+    density += prior[:, :, None]
     return density, likelihood.bounds(threshold, amplitude, damping).sum(axis=1)
 
 

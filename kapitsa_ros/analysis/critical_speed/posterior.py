@@ -14,7 +14,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import gammaincinv, gammaln, logsumexp, ndtr, ndtri
+from scipy.special import gammaincinv, gammaln, ndtr, ndtri
 
 from kapitsa_ros.physics.theory.play import play_amplitude_ratio
 
@@ -119,17 +119,17 @@ def posterior(
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
         proposed = prior.log_density(z) if root is None else _log_student(z, mean, root)
         log_weight = log_likelihood + (prior.log_density(z) - proposed)[:, None]
-        of_rod = logsumexp(log_weight, axis=1)
+        of_rod = np.logaddexp.reduce(log_weight, axis=1)
         if _effective(of_rod) >= _ENOUGH:
             break
         tempered = of_rod
         while _effective(tempered) < _WORTH:
             tempered = 0.7 * tempered
-        share = np.exp(tempered - logsumexp(tempered))
+        share = np.exp(tempered - np.logaddexp.reduce(tempered))
         mean = share @ z
         spread = 1.3 * ((z - mean).T * share) @ (z - mean)
         root = np.asarray(np.linalg.cholesky(spread + 1e-12 * np.eye(_DIMENSIONS)), dtype=np.float64)
-    total = float(logsumexp(log_weight))
+    total = float(np.logaddexp.reduce(of_rod))
     weight = np.exp(log_weight - total)
     each = weight.sum(axis=1)
     exact = likelihood.exact_threshold(
@@ -275,15 +275,24 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
     step = np.minimum(np.minimum(error, 0.03 * best), np.maximum(0.9999 * timed.forcing.min() - best, 1e-6 * best))
     period, doubt = model.periods(best, *others)
     above, below = model.periods(best + step, *others)[0], model.periods(best - step, *others)[0]
-    slope = ((above - below) / (2.0 * step[:, None]))[:, None, :]
-    bend = ((above - 2.0 * period + below) / (2.0 * step[:, None] ** 2))[:, None, :]
+    slope = (above - below) / (2.0 * step[:, None])
+    bend = (above - 2.0 * period + below) / (2.0 * step[:, None] ** 2)
     threshold = np.maximum(best[:, None] + _WIDER * error[:, None] * offsets, 1e-3 * top)
-    away = (threshold - best[:, None])[:, :, None]
+    away = threshold - best[:, None]
     sigma = likelihood.sigma(best, rods.amplitude, doubt)
-    misfit = timed.period - period[:, None, :] - slope * away - bend * away**2
-    misfit /= sigma[:, None, :]
-    misfit *= misfit
-    log_likelihood = -0.5 * np.sum(misfit, axis=2) + 0.5 * offsets**2 + np.log(error)[:, None]
+    # Divided by sigma, a parabola in the threshold for each rod and timing; their squares add up to one of degree 4.
+    constant, linear, square = (timed.period - period) / sigma, -slope / sigma, -bend / sigma
+    coefficients = (
+        np.sum(square * square, axis=1),
+        2.0 * np.sum(square * linear, axis=1),
+        np.sum(linear * linear + 2.0 * square * constant, axis=1),
+        2.0 * np.sum(linear * constant, axis=1),
+        np.sum(constant * constant, axis=1),
+    )
+    misfit = np.zeros_like(away)
+    for coefficient in coefficients:
+        misfit = misfit * away + coefficient[:, None]
+    log_likelihood = -0.5 * misfit + 0.5 * offsets**2 + np.log(error)[:, None]
     log_likelihood -= np.sum(np.log(sigma), axis=1)[:, None]
     log_likelihood += likelihood.stops(best, *others)[:, None]
     if likelihood.evidence.fell or likelihood.evidence.stood:
@@ -294,7 +303,7 @@ def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Arra
 
 def _effective(log_weight: Array) -> float:
     """Return how many of weighted rods count (Kish)."""
-    return float(np.exp(2.0 * logsumexp(log_weight) - logsumexp(2.0 * log_weight)))
+    return float(np.exp(2.0 * np.logaddexp.reduce(log_weight) - np.logaddexp.reduce(2.0 * log_weight)))
 
 
 def _log_student(z: Array, mean: Array, root: Array) -> Array:
