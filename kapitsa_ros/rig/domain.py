@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 HIGHEST = 101
 """Domains above this reach into the ports that Linux gives to others."""
+_WANTED = f'give a number from 0 to {HIGHEST} (ports of higher ones are those that Linux gives to any program)'
 _CHOSEN = range(1, 101)
 """Those that are chosen from: 0 is everybody's."""
 _FIRST_PORT, _PORTS = 7400, 250
@@ -40,10 +41,10 @@ def reserved_domain(requested: int | None = None) -> Iterator[int]:
     """
     if requested is None and (text := os.environ.get('ROS_DOMAIN_ID')):
         if not (text.isascii() and text.isdecimal()):  # rcl does not know other digits
-            raise UsageError(f'ROS_DOMAIN_ID is {text!r}: give a number from 0 to {HIGHEST}')
+            raise UsageError(f'ROS_DOMAIN_ID is {text!r}: {_WANTED}')
         requested = int(text)
     if requested is not None and not (type(requested) is int and 0 <= requested <= HIGHEST):
-        raise UsageError(f'ROS_DOMAIN_ID is {requested!r}: give a number from 0 to {HIGHEST}')
+        raise UsageError(f'ROS_DOMAIN_ID is {requested!r}: {_WANTED}')
     candidates = cycle([requested] if requested is not None else _without_participants())
     reservation = domain_coordinator.domain_id(lambda: next(candidates))
     try:

@@ -8,12 +8,20 @@ from rclpy._rclpy_pybind11 import InvalidHandle, RCLError  # they have no public
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 
+from kapitsa_ros.errors import shorten
+
 
 def no_node_text(error: Exception) -> str:
     """Return in one line why no node can be made; rcl gives ten, and of security no reason at all."""
     if text := security_text(error):
         return text
-    return f'no node can be made, ROS_DOMAIN_ID is {os.environ.get("ROS_DOMAIN_ID", "unset")}: {first_line(error)}'
+    why = first_line(error)
+    if 'resolve peer' in why:
+        peers = shorten(os.environ.get('ROS_STATIC_PEERS', ''))
+        return (
+            f'no node can be made, ROS_STATIC_PEERS is {peers}: {why}: give addresses or names of hosts, ; in between'
+        )
+    return f'no node can be made, ROS_DOMAIN_ID is {os.environ.get("ROS_DOMAIN_ID", "unset")}: {why}'
 
 
 def security_text(error: Exception) -> str | None:

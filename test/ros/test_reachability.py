@@ -47,6 +47,18 @@ def test_a_node_in_a_domain_without_a_port_says_so_in_one_line() -> None:
     assert done.stderr == 'jigsaw: error: ROS_DOMAIN_ID is 500: give a number from 0 to 232\n'
 
 
+def test_a_peer_without_an_address_is_told_with_the_variable_that_names_it() -> None:
+    # no resolver asks anybody for a name with an empty part
+    done = subprocess.run(
+        [sys.executable, '-m', 'kapitsa_ros.nodes', 'jigsaw'],
+        env=os.environ | {'ROS_STATIC_PEERS': 'a..b'}, capture_output=True, text=True, timeout=180, check=False,
+    )  # fmt: skip
+    assert (done.returncode, done.stdout) == (2, '')
+    line = done.stderr.splitlines()[-1]
+    assert line.startswith('jigsaw: error: no node can be made, ROS_STATIC_PEERS is a..b: ')
+    assert line.endswith('Unable to resolve peer a..b: give addresses or names of hosts, ; in between')
+
+
 def test_a_middleware_that_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv('RMW_IMPLEMENTATION', 'rmw_of_nobody_cpp')
     with pytest.raises(SettingError, match=r'RMW_IMPLEMENTATION is rmw_of_nobody_cpp.*: unset it, or install'):
