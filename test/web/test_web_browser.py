@@ -366,6 +366,13 @@ def test_the_page_speaks_the_language_of_the_browser(open_page: Callable[..., An
     assert page.get_attribute('html', 'lang') == 'de'
     wait_text(page, 'pause', 'Anhalten')
     wait_text(page, 'messages', 'die Welle ruht')
+    the(page, 'speed').fill('1.353')
+    page.keyboard.press('Enter')
+    wait_text(page, 'said', '1353 oder 1,353')
+    page.keyboard.press('Escape')
+    playwright.expect(the(page, 'speed')).not_to_have_value('1.353')
+    page.keyboard.press('c')
+    playwright.expect(the(page, 'said')).to_be_empty()
     assert open_page('?lang=en', locale='de-DE').get_attribute('html', 'lang') == 'en'
 
 

@@ -62,11 +62,15 @@ const shows = {
     list('messages', report.messages);
   },
   refusal(report) {
-    tell(report.why);
-    $('said').classList.add('refused'); // seen wherever the page is scrolled to
-    if (bench.knobs) showKnobs(bench.knobs);
+    refuse(report.why);
   },
 };
+
+function refuse(why) {
+  tell(why);
+  $('said').classList.add('refused'); // seen wherever the page is scrolled to
+  if (bench.knobs) showKnobs(bench.knobs);
+}
 
 function showBanner() {
   const { rig } = bench;
@@ -137,8 +141,8 @@ const ask = (name, value) => {
   if ($('said').classList.contains('refused')) tell('');
   link.ask(name, value);
 };
-bindKnobs(ask, now, bench, { describe, saw });
+bindKnobs(ask, now, bench, { describe, saw, refuse });
 bindKeys(ask, now, bench, { describe });
 bindPull($('rig'), ask, bench, () => store.at(now()));
-bindHandIn(ask);
+bindHandIn(ask, refuse);
 drawFrames(() => bench.rig && bench.knobs, () => [now(), bench.rig, bench.knobs, bench.pulled], draw);

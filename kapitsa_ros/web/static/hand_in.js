@@ -16,9 +16,10 @@ export function showClass(report) {
   put('handed-in', say('Handed in: {value} RPM, {low} to {high} RPM (of {count} the last counts)', { count: report.handed_in, value, low, high }));
 }
 
-export function bindHandIn(ask) {
+export function bindHandIn(ask, refuse) {
   $('hand-in').addEventListener('submit', (event) => {
     event.preventDefault();
-    ask('hand-in', { omega_crit_rpm: number($('omega-crit').value), low_rpm: number($('low').value), high_rpm: number($('high').value) });
+    const [omega, low, high] = ['omega-crit', 'low', 'high'].map((id) => number($(id).value, refuse));
+    if (![omega, low, high].includes(null)) ask('hand-in', { omega_crit_rpm: omega, low_rpm: low, high_rpm: high });
   });
 }

@@ -15,10 +15,10 @@ export function showKnobs(knobs) {
   put('period', knobs.period === null ? '' : `→ ${knobs.period.toFixed(3)} s`);
 }
 
-export function bindKnobs(ask, now, bench, { describe, saw }) {
+export function bindKnobs(ask, now, bench, { describe, saw, refuse }) {
   for (const [id, name] of Object.entries(FIELDS)) {
     const send = () => {
-      const text = number($(id).value);
+      const text = number($(id).value, refuse);
       if (text) ask(name, WHOLE.has(name) && Number.isFinite(Number(text)) ? Number(text) : text);
     };
     $(id).addEventListener('change', send);

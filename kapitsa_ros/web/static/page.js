@@ -42,10 +42,17 @@ export function exposure(pace) {
 export const slower = (pace) => (pace === 0 ? PACES.at(-1) : pace / 2);
 export const faster = (pace) => 2 * pace;
 
-// What was typed, with a point for the comma that other languages write.
-export function number(text) {
+// What was typed, with a point for the comma that other languages write; null where a point may stand for thousands
+// there, which `refuse` is told.
+export function number(text, refuse) {
   const typed = text.trim();
-  return document.documentElement.lang === 'en' ? typed : typed.replace(/^([^.,]*),([^.,]*)$/, '$1.$2');
+  if (document.documentElement.lang === 'en') return typed;
+  if (/^[1-9]\d{0,2}\.\d{3}$/.test(typed)) {
+    const values = { typed, whole: typed.replace('.', ''), decimal: typed.replace('.', ',') };
+    refuse(say('{typed} may mean either of two numbers: write {whole} or {decimal}', values));
+    return null;
+  }
+  return typed.replace(/^([^.,]*),([^.,]*)$/, '$1.$2');
 }
 
 // Draw as often as the display shows it, or now and then for those who want less motion, where one of the values of

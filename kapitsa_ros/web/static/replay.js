@@ -70,10 +70,19 @@ function setPace(pace) {
   showPace(replay.pace);
 }
 
+function refuse(why) {
+  put('said', why);
+  $('dial').value = String(Number(replay.dial.toPrecision(6)));
+}
+
+function turnTo(text) {
+  const dial = number(text, refuse);
+  if (dial !== null) turn(Number(dial));
+}
+
 function turn(dial) {
   if (!Number.isFinite(dial)) {
-    put('said', say('the dial of the lamp shows flashes a minute: give a number'));
-    $('dial').value = String(Number(replay.dial.toPrecision(6)));
+    refuse(say('the dial of the lamp shows flashes a minute: give a number'));
     return;
   }
   put('said', '');
@@ -190,7 +199,7 @@ function bind() {
   $('pace').addEventListener('change', () => setPace(Number($('pace').value)));
   $('run').addEventListener('change', () => open(Number($('run').value), 0, replay.motion.playing));
   $('place').addEventListener('input', () => replay.motion.goTo(Number($('place').value)));
-  $('dial').addEventListener('change', () => turn(Number(number($('dial').value))));
+  $('dial').addEventListener('change', () => turnTo($('dial').value));
   $('images').addEventListener('change', showForcing);
   for (const button of document.querySelectorAll('[data-turn]')) {
     button.addEventListener('click', () => turn(replay.dial + Number(button.dataset.turn) * run().touch));
