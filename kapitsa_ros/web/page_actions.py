@@ -118,13 +118,14 @@ def _show_rig_readings(bench: WebBench, controls: BenchControls, value: None) ->
 
 
 def _look_at_plot(bench: WebBench, controls: BenchControls, value: None) -> None:  # noqa: ARG001
-    if not bench.plot_seen and bench.plot_noted_in != bench.state.run:
+    run = bench.state.run
+    if not bench.plot_seen and bench.plot_noted_in != run:
         try:
-            bench.state.notebook.note(Message(_LOOKED, run=bench.state.run, time=bench.now()))
+            bench.state.notebook.note(Message(_LOOKED, run=run, time=bench.now()))
         except OSError as error:
             raise PageRequestError('the book cannot note that: {why}', why=said_of(error)) from error
-        bench.plot_noted_in = bench.state.run
-    bench.plot_seen = not bench.plot_seen
+        bench.plot_noted_in = run
+    bench.plot_seen_in = None if bench.plot_seen else run
 
 
 _ACTIONS: dict[str, Callable[[WebBench, BenchControls, Any], None]] = {

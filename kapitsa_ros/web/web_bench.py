@@ -64,8 +64,8 @@ class WebBench:
         """Of the runs: one a rig."""
         self.failure: Message | None = None
         """What the rig died of; None while it lives."""
-        self.plot_seen = False
-        """Whether the person looks at θ(t)."""
+        self.plot_seen_in: int | None = None
+        """The run in which the person looks at θ(t); in the next one it is covered again."""
         self.plot_noted_in = 0
         """The last run of which the book says so."""
         self.sitting = secrets.token_hex(4)
@@ -84,6 +84,11 @@ class WebBench:
         self._said: tuple[object, ...] = (None, None, None)
         self._only_moved = False
         """Whether there is nothing to tell but the motion, which pages are shown at once."""
+
+    @property
+    def plot_seen(self) -> bool:
+        """Whether the person looks at θ(t)."""
+        return self.plot_seen_in == self.state.run
 
     @property
     def runs(self) -> bool:

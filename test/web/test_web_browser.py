@@ -348,6 +348,10 @@ def test_the_angle_is_drawn_only_for_who_takes_the_blindfold_off(bench: Any, ope
     assert '# run ' in (bench.folder / 'mine.csv').read_text()
     the(page, 'look').click()
     playwright.expect(the(page, 'angle-plot')).to_be_hidden()
+    the(page, 'look').click()
+    playwright.expect(the(page, 'angle-plot')).to_be_visible()
+    begin_run(page)  # of which the book has no note
+    playwright.expect(the(page, 'angle-plot')).to_be_hidden()
 
 
 @pytest.mark.parametrize('width', [390, pytest.param(768, marks=pytest.mark.slow)])
