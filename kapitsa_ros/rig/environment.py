@@ -8,18 +8,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.resources import resource_path
+from kapitsa_ros.ros.log_output import FORMAT, SWITCHES
 from kapitsa_ros.ros.output_port import hold_output_port
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
 
-_OF_LOG = {
-    'RCUTILS_CONSOLE_OUTPUT_FORMAT',
-    'RCUTILS_COLORIZED_OUTPUT',
-    'RCUTILS_LOGGING_USE_STDOUT',
-    'RCUTILS_LOGGING_BUFFERED_STREAM',
-}
+_OF_LOG = {FORMAT, *SWITCHES}
 """How a node's lines look is not the user's to say where the rig reads them (`NodeProcess`)."""
 _lock = threading.Lock()
 """Held while this module reads or changes the environment of the process, which all threads share."""

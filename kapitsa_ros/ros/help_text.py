@@ -11,9 +11,11 @@ from rclpy.signals import SignalHandlerOptions
 
 from kapitsa_ros.errors import KapitsaError
 from kapitsa_ros.ros.arguments import COMPOSED, NO_LOG_FILES
+from kapitsa_ros.ros.context import refuse_second_context
+from kapitsa_ros.ros.log_output import refuse_unknown_switches
 from kapitsa_ros.ros.parameters import noting_declarations
 from kapitsa_ros.ros.process_node import destroying_half_made
-from kapitsa_ros.ros.reachability import RANGE, refuse_second_context, refuse_unreachable
+from kapitsa_ros.ros.reachability import RANGE, refuse_unreachable
 from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
@@ -36,6 +38,7 @@ def help_text(role: str, description: str, create: Callable[[], ProcessNode]) ->
 
     """
     refuse_second_context()
+    refuse_unknown_switches()
     refuse_unreachable()
     load_generator()
     with _unseen(), noting_declarations() as declared:

@@ -14,6 +14,7 @@ from rclpy.task import Future
 
 from kapitsa_ros.ros.arguments import NO_LOG_FILES
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.log_output import refuse_unknown_switches
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import wait_until_quiet
@@ -46,6 +47,7 @@ class ListenerNode:
     """
 
     def __init__(self, name: str, domain: int) -> None:
+        refuse_unknown_switches()
         refuse_unreachable()
         self._domain = domain
         self._failure: BaseException | None = None

@@ -16,11 +16,13 @@ from kapitsa_ros.configuration.files import read_mapping
 from kapitsa_ros.errors import FAILED, KapitsaError, shorten
 from kapitsa_ros.ros.arguments import beside_ros, split_parent, typed_parameters
 from kapitsa_ros.ros.composition import Composition
+from kapitsa_ros.ros.context import refuse_second_context
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
+from kapitsa_ros.ros.log_output import refuse_unknown_switches
 from kapitsa_ros.ros.output_port import hold_output_port
 from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, security_text
-from kapitsa_ros.ros.reachability import refuse_second_context, refuse_unreachable
+from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
 from kapitsa_ros.ros.type_support import load_generator
 
@@ -109,6 +111,7 @@ def _start(arguments: list[str]) -> None:
     for option, value in itertools.pairwise(arguments):
         if option == '--params-file':
             _refuse_params_file(Path(value))
+    refuse_unknown_switches()
     refuse_unreachable()
     hold_output_port()
     load_generator()

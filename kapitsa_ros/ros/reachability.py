@@ -6,9 +6,6 @@ import os
 import socket
 from pathlib import Path
 
-import rclpy
-
-from kapitsa_ros.errors import shorten
 from kapitsa_ros.ros.errors import SettingError
 
 RANGE, PROFILE, DOMAIN = 'ROS_AUTOMATIC_DISCOVERY_RANGE', 'FASTRTPS_DEFAULT_PROFILES_FILE', 'ROS_DOMAIN_ID'
@@ -16,24 +13,10 @@ _RANGES = ('LOCALHOST', 'SUBNET', 'SYSTEM_DEFAULT')
 HIGHEST_DOMAIN = 232
 """Domains above this have no port."""
 _SOME_PORT = 7400
-_SWITCHES = ('RCUTILS_COLORIZED_OUTPUT', 'RCUTILS_LOGGING_USE_STDOUT', 'RCUTILS_LOGGING_BUFFERED_STREAM')
-
-
-def refuse_second_context() -> None:
-    """Look whether ROS is at work in this program.
-
-    Raises
-    ------
-    SettingError
-        It is: a process of nodes begins and ends it itself.
-
-    """
-    if rclpy.ok():
-        raise SettingError('ROS is initialised in this program: call rclpy.shutdown() before, or use kapitsa_ros.Rig')
 
 
 def refuse_unreachable() -> None:
-    """Look at what the environment says of discovery and of the log, and at the loopback interface.
+    """Look at what the environment says of discovery, and at the loopback interface.
 
     Raises
     ------
@@ -41,9 +24,6 @@ def refuse_unreachable() -> None:
         No node could be made, or none would find another.
 
     """
-    for name in _SWITCHES:
-        if (value := os.environ.get(name, '')) not in {'', '0', '1'}:
-            raise SettingError(f'{name} is {shorten(value)}: give 0 or 1')
     asked = os.environ.get(RANGE) or 'LOCALHOST'
     if asked not in _RANGES:
         raise SettingError(

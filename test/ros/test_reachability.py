@@ -10,6 +10,7 @@ import pytest
 
 from kapitsa_ros.ros.errors import NodeError, SettingError
 from kapitsa_ros.ros.log_files import without_log_files
+from kapitsa_ros.ros.log_output import SWITCHES, refuse_unknown_switches
 from kapitsa_ros.ros.middleware import refuse_missing_middleware
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shared_memory import refuse_full_shared_memory
@@ -24,7 +25,6 @@ from kapitsa_ros.ros.shared_memory import refuse_full_shared_memory
         ('ROS_DOMAIN_ID', '-1', 'ROS_DOMAIN_ID is -1'),
         ('ROS_DOMAIN_ID', 'x', 'ROS_DOMAIN_ID is x'),
         ('ROS_DOMAIN_ID', '\u0667', 'give a number from 0 to 232'),
-        ('RCUTILS_COLORIZED_OUTPUT', '7', 'RCUTILS_COLORIZED_OUTPUT is 7: give 0 or 1'),
         ('FASTRTPS_DEFAULT_PROFILES_FILE', '/nowhere.xml', 'names /nowhere.xml, which is not there'),
     ],
 )
@@ -35,6 +35,15 @@ def test_an_environment_that_keeps_nodes_apart_is_refused(
     monkeypatch.setenv(name, value)
     with pytest.raises(SettingError, match=words):
         refuse_unreachable()
+
+
+@pytest.mark.parametrize('name', SWITCHES)
+def test_a_switch_of_the_log_that_rcl_does_not_know_is_refused(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    monkeypatch.setenv(name, '1')
+    refuse_unknown_switches()
+    monkeypatch.setenv(name, '7')
+    with pytest.raises(SettingError, match=f'{name} is 7: give 0 or 1'):
+        refuse_unknown_switches()
 
 
 def test_a_node_in_a_domain_without_a_port_says_so_in_one_line() -> None:
