@@ -81,10 +81,10 @@ def serve_bench(  # noqa: PLR0917  # the command's options
         bench = WebBench(setup, Notebook(table))
         make_writable(bags)
         access = Access.of(host, listening.getsockname()[1])
+        leaving = Leaving()  # before the link is printed: who reads it may interrupt
         click.echo(f'bench: {access.url}')
         if open_page:
             await open_in_browser(access.url)
-        leaving = Leaving()
         await _serve(bench, access, listening, leaving)
         if not leaving.hung_up:
             print_what_is_left(bench.folders, bench.state.notebook, plant)

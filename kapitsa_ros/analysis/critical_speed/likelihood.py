@@ -10,7 +10,7 @@ from scipy.special import log_ndtr
 
 from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS
+from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS, period_errors
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory.averaged import k_of_slow_frequency, plant_of_threshold
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
@@ -43,8 +43,9 @@ class Likelihood:
         """Relative error of the model's periods, to be added to the stated errors."""
         self._threshold_correction = 1.0
         timed = evidence.timed
-        self._period_variance = (timed.period_sigma / timed.period) ** 2  # relative
-        self._twice_slow_squared = 2.0 * timed.slow**2
+        self._period_variance = (timed.period_sigma / timed.period) ** 2 + FLOOR**2  # relative
+        # −d ln T/dω is (kλ)² ω/(2Ω²)
+        self._error_by_speed = timed.forcing * timed.forcing_sigma / (2.0 * timed.slow**2)
 
     def first_guess(self, amplitude: float) -> float:
         """Solve Ω² = k²λ²ω²/2 − kg for k, row by row, with a given λ; return the middle threshold, rad/s."""
@@ -96,13 +97,11 @@ class Likelihood:
 
     def sigma(self, threshold: Array, amplitude: Array, doubt: Array) -> Array:
         """Return the standard uncertainty of each period, s, shape (M, N); that of the speed counts by its effect."""
-        timed = self.evidence.timed
-        reach = (self.model.k(threshold, amplitude) * amplitude)[:, None]
-        steepness = reach**2 * timed.forcing / self._twice_slow_squared  # −d ln T/dω
-        relative = (
-            self._period_variance + (steepness * timed.forcing_sigma) ** 2 + doubt**2 + FLOOR**2 + self.discrepancy**2
-        )
-        return np.asarray(timed.period * np.sqrt(relative))
+        reach = self.model.k(threshold, amplitude) * amplitude
+        variance = self._period_variance + self.discrepancy**2
+        sigma = np.empty(doubt.shape)
+        period_errors(reach, self._error_by_speed, variance, self.evidence.timed.period, doubt, sigma)
+        return sigma
 
     def bounds(self, threshold: Array, amplitude: Array, damping: Array) -> Array:
         """Return ln L of each fall and of each that stood, shape (M, falls + stands).

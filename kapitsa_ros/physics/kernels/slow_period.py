@@ -105,6 +105,31 @@ def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: fl
 
 
 @kernel
+def period_errors(reach: Array, of_speed: Array, variance: Array, period: Array, doubt: Array, sigma: Array) -> None:
+    """Fill in the standard uncertainty of each period, s, shape (M, N).
+
+    Parameters
+    ----------
+    reach
+        kλ of the rods, shape (M,).
+    of_speed
+        Relative error of a period by that of the speed, for kλ = 1, shape (N,).
+    variance, period
+        Relative variance of a period by all that is the same for all rods, and the period, s: shape (N,).
+    doubt
+        How far the model can be trusted, relative, shape (M, N).
+    sigma
+        Shape (M, N).
+
+    """
+    for rod in range(sigma.shape[0]):
+        square = reach[rod] * reach[rod]
+        for run in range(sigma.shape[1]):
+            by_speed, by_model = square * of_speed[run], doubt[rod, run]
+            sigma[rod, run] = period[run] * math.sqrt(variance[run] + by_speed * by_speed + by_model * by_model)
+
+
+@kernel
 def slow_periods(
     k: Array,
     amplitude: Array,

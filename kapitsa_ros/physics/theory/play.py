@@ -39,12 +39,14 @@ def play_amplitude_ratio(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
     ⟨y′²⟩ is what holds the rod up: λ_eff² = λ² (1 + (2/π)(α/2 − sin 2α/4)), for plastic impacts and λω² ≫ g. To first
     order λ_eff = λ + (2/π) D; at a play of 2 mm the threshold is good to 0.1 %.
     """
-    ratio = np.minimum(ratio, 1.0)
-    angle = np.cbrt(6.0 * ratio)
+    found = np.ones_like(ratio)
+    has_play = ratio > 0.0
+    play = np.minimum(ratio[has_play], 1.0)
+    angle = np.cbrt(6.0 * play)
     for _ in range(4):
-        slope = np.maximum(1.0 - np.cos(angle), 1e-12)
-        angle = np.where(ratio > 0.0, angle - (angle - np.sin(angle) - ratio) / slope, 0.0)
-    return np.asarray(np.sqrt(1.0 + 2.0 / math.pi * (0.5 * angle - 0.25 * np.sin(2.0 * angle))))
+        angle -= (angle - np.sin(angle) - play) / np.maximum(1.0 - np.cos(angle), 1e-12)
+    found[has_play] = np.sqrt(1.0 + 2.0 / math.pi * (0.5 * angle - 0.25 * np.sin(2.0 * angle)))
+    return found
 
 
 def slow_frequency_with_play(plant: Plant, speed: float) -> float | None:
