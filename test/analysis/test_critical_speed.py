@@ -1,3 +1,4 @@
+import sys
 from dataclasses import asdict
 from fractions import Fraction
 
@@ -7,6 +8,7 @@ from scipy.stats import norm
 
 from kapitsa_ros.analysis.assumptions import Assumptions
 from kapitsa_ros.analysis.critical_speed import Bound, Evidence, Ruler, direct_fit, errors_in_variables
+from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.errors import AnalysisError, TableError
 from kapitsa_ros.analysis.strobe_alias import find_alias
 from kapitsa_ros.analysis.table import Readings
@@ -64,6 +66,17 @@ def test_exact_periods_give_the_exact_threshold_whatever_the_rod(plant):
     assert fit.omega_crit == pytest.approx(truth, rel=2e-5)
     assert fit.interval[0] < truth < fit.interval[1] < 1.006 * truth  # 1.0052 found: the tail of c's half-normal prior
     assert fit.k == pytest.approx(plant.k, rel=1e-3)
+
+
+@pytest.mark.parametrize('sigma', [0.033, 1e-4])
+@pytest.mark.parametrize('speeds', [SPEEDS, np.array([1420.0, 1600.0]) * RPM])
+def test_more_passes_than_the_fit_takes_change_nothing(monkeypatch, sigma, speeds):
+    timed = of_timed(readings(speeds, periods(Plant(inertia_factor=0.98), speeds=speeds), sigma))
+    found = direct_fit(timed, Ruler(amplitude=0.0127))
+    monkeypatch.setattr(sys.modules[CurveFit.__module__], '_SETTLED', 0.0)
+    settled = direct_fit(timed, Ruler(amplitude=0.0127))
+    uncertainty = settled.interval[1] - settled.interval[0]
+    assert abs(found.omega_crit - settled.omega_crit) < 1e-5 * uncertainty
 
 
 def test_line_misses_what_the_curve_does_not():
