@@ -35,6 +35,7 @@ def test_the_bench_is_worked_through_the_link(page: Any) -> None:
     page.ask('pace', 4)
     page.ask('speed', '37.5Hz')
     page.until(lambda: page.told['knobs']['speed'] == pytest.approx(2250))
+    page.ask('images', 2)
     page.ask('dial', 4480)
     page.until(lambda: page.told['knobs']['forcing'] == pytest.approx(2240))
     before = page.motions
