@@ -3,7 +3,7 @@
 Before a fork there is nothing of DDS, and no other thread but LTTng's, which wait for a tracer. A request is a datagram
 of the names of nodes, with file descriptors: of a file with the request in JSON, of the nodes' parameters, of the pipe
 that becomes their stderr, and of a socket on which the process id, with a descriptor of the process, and at last its
-exit status are told.
+exit status and the time of its end are told.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import select
 import signal
 import socket
 import sys
+import time
 import traceback
 import warnings
 from contextlib import contextmanager, suppress
@@ -112,7 +113,7 @@ def serve(requests: socket.socket) -> None:
                 pid, report = nodes.pop(descriptor)
                 if heard.pop(report, None):
                     poll.unregister(report)
-                _tell(report, str(os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])))
+                _tell(report, f'{os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])} {time.monotonic():.6f}')
                 os.close(report)
 
 

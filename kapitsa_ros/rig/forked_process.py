@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import select
 import signal
@@ -9,7 +10,7 @@ import socket
 from contextlib import suppress
 
 _LONGEST = 32
-"""Bytes of a datagram from the server: a number."""
+"""Bytes of a datagram from the server: a number, or two."""
 
 
 class ForkedProcess:
@@ -19,7 +20,7 @@ class ForkedProcess:
     ----------
     report
         The socket on which the server tells the process id, with a file descriptor of the process, and at last its
-        exit status. It is closed with this object.
+        exit status, and when it ended. It is closed with this object.
 
     Raises
     ------
@@ -35,6 +36,8 @@ class ForkedProcess:
         self._status: int | None = None
         self.orphaned = False
         """Whether its server was killed: it is about to leave, and nobody can tell with which status."""
+        self.ended_at = math.inf
+        """When it ended, on the monotonic clock; infinite while nothing is known of that."""
         text, descriptors, _, _ = socket.recv_fds(report, _LONGEST, 1)
         if not text:
             raise EOFError
@@ -73,7 +76,9 @@ class ForkedProcess:
         if self._status is None and not self.orphaned:
             text = self._report.recv(_LONGEST)
             self.orphaned = not text
-            self._status = int(text) if text else None
+            if text:
+                status, when = text.split()
+                self._status, self.ended_at = int(status), float(when)
 
 
 def _can_be_read(descriptor: int, timeout_ms: int | None) -> bool:

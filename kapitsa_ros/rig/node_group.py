@@ -82,8 +82,8 @@ class NodeGroup:
         """
         ended = [(process, process.status()) for process in self._processes]
         failed = [(process, status) for process, status in ended if status]
-        # A node that broke is more telling than one that was killed, and than those that fell with it.
-        for process, status in sorted(failed, key=lambda pair: pair[1] < 0):
+        # The first may be the cause of all others: they fell with it.
+        for process, status in sorted(failed, key=lambda pair: pair[0].ended_at):
             who, lines = process.last_error()
             said = {'node': who, 'lines': f': {lines}' if lines else ''}
             if status < 0:
@@ -129,8 +129,9 @@ class NodeGroup:
             A node died.
 
         """
-        running = [process.sentinel for process in self._processes if process.status() is None]
-        if running:
+        statuses = {process.sentinel: process.status() for process in self._processes}
+        running = [sentinel for sentinel, status in statuses.items() if status is None]
+        if running and not any(statuses.values()):
             _wait_until_readable([*running, *news], timeout)
         return self.check()
 

@@ -90,6 +90,11 @@ class NodeProcess:
         """Whether the process that it was forked from was killed: it is about to leave."""
         return self._process.orphaned
 
+    @property
+    def ended_at(self) -> float:
+        """When it ended, on the monotonic clock; infinite while nothing is known of that."""
+        return self._process.ended_at
+
     def status(self) -> int | None:
         """Return the exit status, that of a signal negative; None while it runs, or where it is an orphan."""
         return self._process.status()

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import select
 import signal
 import subprocess
 import sys
@@ -322,6 +323,18 @@ def test_a_death_is_told_at_once() -> None:
             rig.latest('pendulum/motion')
     assert not [pid for pid in pids if Path(f'/proc/{pid}').exists()]
     assert not rig.bags.exists()
+
+
+def test_of_several_deaths_the_first_is_told_also_where_all_are_known_before_anybody_waits() -> None:
+    with Rig() as rig:
+        rig.wait_for('pendulum/motion', timeout=PATIENCE)
+        for role in ('pendulum', 'jigsaw'):
+            process = rig.processes[role]
+            process.end(signal.SIGKILL)
+            assert select.select([process.sentinel], [], [], PATIENCE)[0]
+            assert process.status() == -signal.SIGKILL
+        with pytest.raises(RigError, match='pendulum was killed by SIGKILL'):
+            rig.wait_for('stopwatch/reading', timeout=5.0)
 
 
 @pytest.mark.slow
