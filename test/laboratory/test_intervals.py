@@ -1,10 +1,12 @@
 """Intervals hold the truth of rods that the curve does not know: with play, friction and damping."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS, Assumptions
-from kapitsa_ros.analysis.critical_speed import evidence_of
+from kapitsa_ros.analysis.critical_speed import evidence_of, fit_timings, ruler_of
 from kapitsa_ros.analysis.critical_speed.direct_fit import CurveFit
 from kapitsa_ros.analysis.critical_speed.swing_model import SwingModel
 from kapitsa_ros.analysis.experiment import reduce_runs
@@ -13,6 +15,7 @@ from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.laboratory.campaign import perform
+from kapitsa_ros.laboratory.preset_trials import AS_BUILT_ON_BEARING, trial_experiment, trial_plants
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.operator.protocol import Protocol
 from kapitsa_ros.physics.kernels.slow_period import FIRST_PRESS
@@ -66,6 +69,32 @@ def test_swings_that_stopped_tell_how_much_friction_there_is():
 
 def test_the_same_readings_give_the_same_interval():
     assert perform(experiment(Plant(), THREE), 1).interval == perform(experiment(Plant(), THREE), 1).interval
+
+
+@pytest.mark.parametrize(
+    ('plant', 'seed'),
+    [
+        pytest.param('as built 1997', 22, id='near where a swing comes to rest within the timing'),
+        pytest.param('as built 1997', 24, id='few rods that count, first'),
+        pytest.param('as built 1997', 39, id='flat along the damping'),
+        pytest.param(AS_BUILT_ON_BEARING, 39, id='few rods that count, for improbable counts of swings'),
+    ],
+)
+def test_what_differs_in_the_tenth_digit_gives_the_same_answer(plant: str, seed: int) -> None:
+    each = trial_experiment(trial_plants()[plant])
+    runs = replace(each, seed=seed).runs()
+    rows = timing_rows(runs)
+    timed = [row for row in rows if row.period]
+    assert len(timed) >= 3
+
+    def fitted(error: float) -> list[float]:
+        others = [replace(row, period=row.period * (1.0 + error)) if row.period else row for row in rows]
+        found = fit_timings(others, ruler_of(runs[0]), each.plant.gravity).best
+        assert found
+        assert found.effective_rods >= 100
+        return [found.omega_crit, *found.interval]
+
+    assert fitted(1e-10) == pytest.approx(fitted(0.0), rel=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-_STEP = math.sqrt(np.finfo(np.float64).eps)  # of a forward difference
+_STEP = np.finfo(np.float64).eps ** (1.0 / 3.0)  # of a central difference, in starts
 _SCALE = 1e-3
 _TOLERANCE = 1e-13
 _EVALUATIONS = 100  # a parameter
@@ -42,7 +41,8 @@ class Minimum:
 def minimise(residuals: Callable[[Array], Array], start: Array) -> Minimum:
     """Minimise a sum of squares by MINPACK's `lmder`; no derivatives are asked for.
 
-    The residuals and their forward differences come of one call: what is cheap for many points at once costs no more.
+    The residuals and their central differences come of one call: what is cheap for many points at once costs no more.
+    With forward differences the curvature along what is all but degenerate would be one of rounding.
 
     Parameters
     ----------
@@ -52,7 +52,7 @@ def minimise(residuals: Callable[[Array], Array], start: Array) -> Minimum:
         Shape (P,), none 0: each parameter's scale is a thousandth of its start.
 
     """
-    linear = _Linear(residuals)
+    linear = _Linear(residuals, _STEP * np.abs(start))
     found, _, details, *_ = leastsq(
         lambda parameters: linear.at(parameters)[0],
         start,
@@ -70,8 +70,9 @@ def minimise(residuals: Callable[[Array], Array], start: Array) -> Minimum:
 class _Linear:
     """Residuals and Jacobian where they were asked for last."""
 
-    def __init__(self, residuals: Callable[[Array], Array]) -> None:
+    def __init__(self, residuals: Callable[[Array], Array], step: Array) -> None:
         self._residuals = residuals
+        self._step = step
         self._place = b''
         self._here: tuple[Array, Array]
 
@@ -79,12 +80,12 @@ class _Linear:
         """Return them, shapes (R,) and (R, P)."""
         place = parameters.tobytes()
         if place != self._place:
-            step = np.where(parameters >= 0.0, _STEP, -_STEP) * np.maximum(1.0, np.abs(parameters))
-            ahead = parameters + step
-            sets = np.empty((parameters.size + 1, parameters.size))
-            sets[:] = parameters
-            sets.flat[parameters.size :: parameters.size + 1] = ahead  # a row each with one parameter ahead
+            ahead, behind = parameters + self._step, parameters - self._step
+            size = parameters.size
+            sets = np.tile(parameters, (2 * size + 1, 1))
+            of_one = np.arange(size)
+            sets[1 + of_one, of_one], sets[1 + size + of_one, of_one] = ahead, behind
             found = self._residuals(sets)
-            self._here = found[0], (found[1:] - found[0]).T / (ahead - parameters)
+            self._here = found[0], (found[1 : 1 + size] - found[1 + size :]).T / (ahead - behind)
             self._place = place
         return self._here

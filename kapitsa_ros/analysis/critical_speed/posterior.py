@@ -19,7 +19,7 @@ from scipy.special import gammaincinv, gammaln, ndtr, ndtri
 from kapitsa_ros.physics.theory.play import play_amplitude_ratio
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -33,7 +33,8 @@ _RODS = 512
 _DIMENSIONS = 5  # the ruler's error, play, damping, friction, the dial's error: standard normal each
 _TAILS = 4.0  # degrees of freedom of the proposal
 _ENOUGH, _WORTH = 100.0, 60.0  # rods that count: in the end, and for the next proposal
-_MOST_ROUNDS = 48  # most readings take fewer than six
+_ROUNDS = 12  # of one number of rods, then of twice as many each; most readings take fewer than six
+_MOST_RODS = 16384
 _STEPS = 4  # of Gauss and Newton, to the best threshold of each rod
 _AROUND = 16  # thresholds that are tried for each rod
 _WIDER = 1.2  # so that skewed likelihoods are reached too
@@ -110,10 +111,10 @@ def posterior(
         Another posterior that this one is much like: what it drew from is the first proposal.
 
     """
-    base, chi, offsets = _sequence()
     prior = _Prior(ruler, assumptions)
     mean, root = (np.zeros(_DIMENSIONS), None) if like is None else like.proposal
-    for _ in range(_MOST_ROUNDS):
+    for number in _numbers():
+        base, chi, offsets = _sequence(number)
         z = prior.place(base) if root is None else mean + (base * chi[:, None]) @ root.T
         rods = prior.rods(z)
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
@@ -168,14 +169,27 @@ def mixture(posteriors: Sequence[Posterior], share: Array) -> Posterior:
     )
 
 
-def rods_of_prior(ruler: Ruler, assumptions: Assumptions, number: int = _RODS) -> Rods:
+def rods_of_prior(ruler: Ruler, assumptions: Assumptions, number: int) -> Rods:
     """Return rods as they are distributed before anything is timed."""
     prior = _Prior(ruler, assumptions)
-    return prior.rods(prior.place(_sequence()[0][:number]))
+    return prior.rods(prior.place(_sequence(number)[0]))
+
+
+def _numbers() -> Iterator[int]:
+    """Give the number of rods in each round.
+
+    Where rounds of so many do not find enough that count, more of them say nothing new: the last would do as well as
+    any other, and which it is like hangs on the last digits of the readings.
+    """
+    yield from [_RODS] * _ROUNDS
+    number = _RODS
+    while number < _MOST_RODS:
+        number *= 2
+        yield number
 
 
 @cache
-def _sequence() -> tuple[Array, Array, Array]:
+def _sequence(rods: int) -> tuple[Array, Array, Array]:
     """Return standard normal numbers, shape (rods, dimensions), the lengths that make them Student's, and offsets.
 
     The points are Kronecker's sequence of the powers of the root of x⁸ = x + 1, which fill the unit cube evenly. The
@@ -185,7 +199,7 @@ def _sequence() -> tuple[Array, Array, Array]:
     for _ in range(64):
         root = (1.0 + root) ** (1.0 / (_DIMENSIONS + 3))
     powers = root ** -np.arange(1.0, _DIMENSIONS + 3)
-    uniform = (0.5 + np.arange(1.0, _RODS + 1)[:, None] * powers) % 1.0
+    uniform = (0.5 + np.arange(1.0, rods + 1)[:, None] * powers) % 1.0
     uniform = np.clip(uniform, 1e-9, 1.0 - 1e-9)
     chi_squared = 2.0 * gammaincinv(0.5 * _TAILS, uniform[:, -2])
     offsets = ndtri((np.arange(_AROUND) + uniform[:, -1:]) / _AROUND)

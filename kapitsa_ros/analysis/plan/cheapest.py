@@ -42,6 +42,7 @@ _REPEATS = (1, 2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40, 50, 75, 100)
 _AIMS = 8  # at the bound, until the interval meets the target
 _CLOSE, _CLOSER = 0.9, 0.98  # of the target: near enough, and what the next aim is to come to
 _FARTHEST = 3.0  # targets
+_RODS = 512  # of the prior
 _SET_UP = 5.0  # s: the shaft runs up, the strobe is read
 
 
@@ -150,7 +151,7 @@ def _protocols(
 
 def _prior_information(plant: Plant, assumptions: Assumptions) -> NDArray[np.float64]:
     """Return what is known beforehand of ln threshold, ln λ and c, as their spreads: those of the rods of the prior."""
-    rods = rods_of_prior(Ruler(amplitude=plant.amplitude), assumptions)
+    rods = rods_of_prior(Ruler(amplitude=plant.amplitude), assumptions, _RODS)
     spread = [float(np.std(rods.amplitude)) / plant.amplitude, float(np.sqrt(np.mean(rods.damping**2)))]
     return np.diag([0.0, *(max(each, FLOOR) ** -2 for each in spread)])
 

@@ -184,6 +184,7 @@ def slow_periods(
             softened = slower[rod] / (_NODES.size * _PHASES.size)
             period[rod, run] = 2.0 * math.pi / slow[rod] * softened
             doubt[rod, run] = 0.3 * (softened - 1.0) ** 2
-            if loss[rod] > 0.0:
-                eaten = loss[rod] / max(width[rod], loss[rod])
-                doubt[rod, run] = math.hypot(doubt[rod, run], 0.1 * eaten * eaten)
+            if loss[rod] > 0.0:  # smooth: a fit ends in the kinks that there are
+                square = loss[rod] * loss[rod]
+                eaten = square / (width[rod] * width[rod] + square)
+                doubt[rod, run] = math.hypot(doubt[rod, run], 0.1 * eaten)
