@@ -188,7 +188,8 @@ class CurveFit:
     def _residuals(self, sets: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return them for timings, falls and stands, the ruler and the damping, of M sets of parameters, shape (M, 3).
 
-        Where no rod can have such parameters they are so large that a fit which strays there takes its step back.
+        Where no rod can have such parameters they are so large that a fit which strays there takes its step back. To
+        damping below 0 they go on smoothly: a fit that would end there is through in few steps.
         """
         threshold, amplitude, damping = np.ascontiguousarray(sets.T)
         can_be = self._likelihood.can_be(threshold, amplitude)
@@ -197,7 +198,7 @@ class CurveFit:
             sets = np.where(can_be[:, None], sets, self._first_guess())
             threshold, amplitude, damping = np.ascontiguousarray(sets.T)
         coulomb = np.full(damping.size, self._coulomb)
-        of_readings = self._likelihood.residuals(threshold, amplitude, np.abs(damping), coulomb)
+        of_readings = self._likelihood.residuals(threshold, amplitude, damping, coulomb)
         found = np.empty((damping.size, of_readings.shape[1] + 2))
         found[:, :-2] = of_readings
         found[:, -2] = (amplitude - self._ruler.amplitude) / self.amplitude_sigma

@@ -82,7 +82,8 @@ class _Linear:
         if place != self._place:
             ahead, behind = parameters + self._step, parameters - self._step
             size = parameters.size
-            sets = np.tile(parameters, (2 * size + 1, 1))
+            sets = np.empty((2 * size + 1, size))
+            sets[:] = parameters
             of_one = np.arange(size)
             sets[1 + of_one, of_one], sets[1 + size + of_one, of_one] = ahead, behind
             found = self._residuals(sets)
