@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from kapitsa_ros.analysis.evidence import Evidence
     from kapitsa_ros.analysis.ruler import Ruler
 
-_MOST_PASSES = 10  # of the swing's width, whose effect hangs weakly on the fit
-_SETTLED = 1e-3  # standard uncertainties that the last pass may move the threshold
+_MOST_PASSES = 10  # with the correction at the fit of the pass before
+_SETTLED = 1e-2  # standard uncertainties that the last pass may move the threshold: what is left is a 1000th of that
 _NO_ROD = 1e8  # standard uncertainties
 _HALVINGS = 16
 _MIDDLE_90 = 1.6449  # standard uncertainties of a normal distribution
@@ -173,7 +173,7 @@ class CurveFit:
         return float(threshold)
 
     def _fitted(self) -> Minimum:
-        best = self._first_guess()
+        best = self._minimum(self._first_guess()).parameters
         for _ in range(_MOST_PASSES):
             self._likelihood.correct(*best[:2])
             found = self._minimum(best)

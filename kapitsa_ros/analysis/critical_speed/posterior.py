@@ -37,6 +37,7 @@ _ROUNDS = 12  # of one number of rods, then of twice as many each; most readings
 _MOST_RODS = 16384
 _STEPS = 4  # of Gauss and Newton, to the best threshold of each rod
 _AROUND = 16  # thresholds that are tried for each rod
+_NEVER = 1e-300  # a probability
 _WIDER = 1.2  # so that skewed likelihoods are reached too
 HIGHEST = 0.9995
 """Threshold that is tried, over the lowest speed at which a swing was timed."""
@@ -265,9 +266,9 @@ def _alternative(z: Array, probability: float) -> tuple[NDArray[np.bool_], Array
     """Decide for the second of two alternatives with a probability, and return a uniform number for either."""
     level = ndtr(z)
     second = level > 1.0 - probability
-    with np.errstate(divide='ignore', invalid='ignore'):
-        share = np.where(second, (level - 1.0 + probability) / probability, level / (1.0 - probability))
-    return second, np.clip(np.nan_to_num(share), 0.0, 1.0)
+    of_second, of_first = max(probability, _NEVER), max(1.0 - probability, _NEVER)
+    share = np.where(second, (level - 1.0 + probability) / of_second, level / of_first)
+    return second, np.clip(share, 0.0, 1.0)
 
 
 def _conditional(likelihood: Likelihood, rods: Rods, start: float, offsets: Array) -> tuple[Array, Array]:
