@@ -149,7 +149,7 @@ _Put: TypeAlias = 'Callable[[Inputs, Array], Inputs]'
 
 def _expected(evidence: Evidence, ruler: Ruler, possible: Posterior) -> Inputs:
     timed = evidence.timed
-    mean = {name: np.array([possible.rod_weight @ getattr(possible.rods, name)]) for name in _EFFECTS}
+    mean = {name: np.array([possible.mean(getattr(possible.rods, name))]) for name in _EFFECTS}
     return Inputs(
         period=timed.period[None, :],
         forcing=timed.forcing[None, :],
@@ -178,8 +178,8 @@ def _rows(
     rows.append((_type_b('amplitude λ by the ruler', ruler.amplitude, 'm', ruler.sigma), _in_field('amplitude')))
     for field, (name, unit) in _EFFECTS.items():
         values = getattr(possible.rods, field)
-        mean = float(possible.rod_weight @ values)
-        u = math.sqrt(float(possible.rod_weight @ (values - mean) ** 2))
+        mean = possible.mean(values)
+        u = math.sqrt(possible.mean((values - mean) ** 2))
         row = replace(_type_b(name, mean, unit, u), distribution='prior and readings')
         rows.append((row, _in_field(field)))
     rate, dial = assumptions.stopwatch_rate_u, assumptions.dial_u

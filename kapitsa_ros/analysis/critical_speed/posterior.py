@@ -3,7 +3,8 @@
 Each rod of a sample stands for one possibility of amplitude, play, damping and friction; for each, the threshold that
 fits best and its error are found, and the possibilities are weighed by how well they fit (importance sampling; the
 proposal adapts itself, see Cappé et al., J. Comput. Graph. Stat. 13, 907 (2004)). The sample is a fixed sequence of
-low discrepancy: the same readings give the same interval.
+low discrepancy: the same readings give the same interval. Sums over rods are numpy's: those of BLAS hang on the number
+of its threads, and on the processor.
 """
 
 from __future__ import annotations
@@ -85,7 +86,11 @@ class Posterior:
     @property
     def coulomb(self) -> float:
         """Mean of f, rad/s²."""
-        return float(self.rod_weight @ self.rods.coulomb)
+        return self.mean(self.rods.coulomb)
+
+    def mean(self, values: Array) -> float:
+        """Return the mean of values of the rods, shape (M,)."""
+        return float(np.sum(self.rod_weight * values))
 
     def quantile(self, share: float) -> float:
         """Return the critical speed, rad/s, below which a share of the probability lies."""
@@ -116,7 +121,7 @@ def posterior(
     mean, root = (np.zeros(_DIMENSIONS), None) if like is None else like.proposal
     for number in _numbers():
         base, chi, offsets = _sequence(number)
-        z = prior.place(base) if root is None else mean + (base * chi[:, None]) @ root.T
+        z = prior.place(base) if root is None else mean + np.einsum('mk,jk->mj', base * chi[:, None], root)
         rods = prior.rods(z)
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
         proposed = prior.log_density(z) if root is None else _log_student(z, mean, root)
@@ -128,8 +133,8 @@ def posterior(
         while _effective(tempered) < _WORTH:
             tempered = 0.7 * tempered
         share = np.exp(tempered - np.logaddexp.reduce(tempered))
-        mean = share @ z
-        spread = 1.3 * ((z - mean).T * share) @ (z - mean)
+        mean = np.sum(share[:, None] * z, axis=0)
+        spread = 1.3 * np.einsum('mj,mk->jk', (z - mean) * share[:, None], z - mean)
         root = np.asarray(np.linalg.cholesky(spread + 1e-12 * np.eye(_DIMENSIONS)), dtype=np.float64)
     total = float(np.logaddexp.reduce(of_rod))
     weight = np.exp(log_weight - total)
@@ -142,8 +147,8 @@ def posterior(
         threshold=exact[order],
         weight=weight.ravel()[order],
         effective=_effective(of_rod),
-        play_probability=float(each @ (rods.play > 0.0)),
-        heavy_damping_probability=float(each @ (rods.damping > 3.0 * assumptions.light_damping)),
+        play_probability=float(np.sum(each[rods.play > 0.0])),
+        heavy_damping_probability=float(np.sum(each[rods.damping > 3.0 * assumptions.light_damping])),
         rods=rods,
         rod_weight=each,
         log_evidence=total - math.log(weight.size) - (0.0 if root is None else 0.5 * _DIMENSIONS * math.log(2.0)),
@@ -323,7 +328,11 @@ def _effective(log_weight: Array) -> float:
 
 def _log_student(z: Array, mean: Array, root: Array) -> Array:
     """Return the logarithm of the density of Student's distribution about a mean, with a Cholesky root."""
-    distance = np.sum(np.linalg.solve(root, (z - mean).T) ** 2, axis=0)
+    away = (z - mean).T
+    solved = np.empty_like(away)
+    for row, factors in enumerate(root):
+        solved[row] = (away[row] - np.sum(factors[:row, None] * solved[:row], axis=0)) / factors[row]
+    distance = np.sum(solved**2, axis=0)
     half = 0.5 * (_TAILS + _DIMENSIONS)
     norm = gammaln(half) - gammaln(0.5 * _TAILS) - 0.5 * _DIMENSIONS * math.log(0.5 * _TAILS)
     return np.asarray(norm - np.log(np.diag(root)).sum() - half * np.log1p(distance / _TAILS))
