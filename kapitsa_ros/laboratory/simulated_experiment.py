@@ -38,16 +38,17 @@ class SimulatedExperiment:
 
     def runs(self) -> list[Run]:
         """Carry out the protocol."""
-        return [self._run(number, speeds) for number, speeds in enumerate(self.protocol.runs, start=1)]
+        settings = self._settings()
+        return [self._run(number, speeds, settings) for number, speeds in enumerate(self.protocol.runs, start=1)]
 
-    def _run(self, number: int, speeds: tuple[float, ...]) -> Run:
+    def _run(self, number: int, speeds: tuple[float, ...], settings: Mapping[str, Mapping[str, Any]]) -> Run:
         strobe = Strobe(self.instruments.strobe, random_stream(self.seed, 'strobe', number))
         watch = Stopwatch(
             self.instruments.stopwatch, self.protocol.swings, random_stream(self.seed, 'stopwatch', number)
         )
         operator = ScriptedOperator(self.protocol, speeds, STEPS.step)
         commands = deque([operator.opening()] * STEPS.in_flight)
-        builder = RunBuilder(number, self._settings())
+        builder = RunBuilder(number, settings)
         last: ApparatusStart = apparatus(self.plant, self.instruments)
         while not (command := commands.popleft()).end:
             last = step = last.after(command)

@@ -124,8 +124,9 @@ def posterior(
         z = prior.place(base) if root is None else mean + np.einsum('mk,jk->mj', base * chi[:, None], root)
         rods = prior.rods(z)
         threshold, log_likelihood = _conditional(likelihood, rods, start, offsets)
-        proposed = prior.log_density(z) if root is None else _log_student(z, mean, root)
-        log_weight = log_likelihood + (prior.log_density(z) - proposed)[:, None]
+        log_weight = log_likelihood
+        if root is not None:  # else they were drawn from the prior
+            log_weight = log_likelihood + (prior.log_density(z) - _log_student(z, mean, root))[:, None]
         of_rod = np.logaddexp.reduce(log_weight, axis=1)
         if _effective(of_rod) >= _ENOUGH:
             break
