@@ -82,6 +82,15 @@ def serving() -> Iterator[Callable[..., Server]]:
         server.process.wait()
 
 
+@pytest.fixture(scope='session', autouse=True)
+def _patient_expectations() -> None:
+    """Have what is expected of a page wait as all else does: a machine under load takes more than the 5 s it would."""
+    with suppress(ImportError):
+        from playwright.sync_api import expect
+
+        expect.set_options(timeout=1000 * PATIENCE)
+
+
 class Page:
     """A client of the bench that is no browser."""
 

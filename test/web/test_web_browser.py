@@ -66,7 +66,7 @@ def open_page(bench: Any, browser: Any) -> Iterator[Callable[..., Any]]:
         for page in context.pages:  # the bench of the next test runs, however this one ended
             if the(page, 'pause').get_attribute('aria-pressed') == 'true':
                 the(page, 'pause').click()
-                playwright.expect(the(page, 'pause')).to_have_attribute('aria-pressed', 'false', timeout=PATIENCE)
+                playwright.expect(the(page, 'pause')).to_have_attribute('aria-pressed', 'false')
         context.close()
     assert asked
     assert [url for url in asked if not url.startswith(bench.url)] == []
@@ -78,7 +78,7 @@ def the(page: Any, name: str) -> Any:
 
 
 def wait_text(page: Any, name: str, text: str) -> None:
-    playwright.expect(the(page, name)).to_contain_text(text, timeout=PATIENCE)
+    playwright.expect(the(page, name)).to_contain_text(text)
 
 
 def seconds(page: Any) -> float:
@@ -225,7 +225,7 @@ def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
 
 def test_what_is_refused_is_said_in_sight_and_does_not_stay_in_its_field(open_page: Callable[..., Any]) -> None:
     page = open_page(viewport={'width': 390, 'height': 800})
-    playwright.expect(the(page, 'speed')).to_be_enabled(timeout=PATIENCE)
+    playwright.expect(the(page, 'speed')).to_be_enabled()
     wait_text(page, 'status', 'run')
     before = the(page, 'speed').input_value()
     for name, typed, why in (
@@ -246,7 +246,7 @@ def test_what_is_refused_is_said_in_sight_and_does_not_stay_in_its_field(open_pa
 
 def test_only_who_takes_hold_of_the_rod_and_pulls_lets_it_go(open_page: Callable[..., Any]) -> None:
     page = open_page()
-    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    playwright.expect(the(page, 'pause')).to_be_enabled()
     wait_text(page, 'status', 'run')
     begin_run(page)  # the rod is held upright
     page.keyboard.press('p')
@@ -270,7 +270,7 @@ def test_only_who_takes_hold_of_the_rod_and_pulls_lets_it_go(open_page: Callable
     page.mouse.up()
     assert page.evaluate('() => window.asked') == ['angle', 'release']
     page.reload()
-    playwright.expect(the(page, 'step')).to_be_enabled(timeout=PATIENCE)
+    playwright.expect(the(page, 'step')).to_be_enabled()
     page.keyboard.press('p')
     wait_text(page, 'pause', 'Pause')
 
@@ -313,7 +313,7 @@ def test_a_page_goes_on_with_a_bench_that_was_started_again(
 
 def test_a_page_on_which_nothing_moves_draws_nothing(open_page: Callable[..., Any]) -> None:
     page = open_page(reduced_motion='no-preference')
-    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    playwright.expect(the(page, 'pause')).to_be_enabled()
     page.keyboard.press('p')
     wait_text(page, 'status', 'paused')
     count = """() => new Promise((done) => {
@@ -391,7 +391,7 @@ def test_nothing_serious_stands_in_the_way_of_anyone(open_page: Callable[..., An
 
 def test_a_screen_reader_is_told_states_and_readings(open_page: Callable[..., Any]) -> None:
     page = open_page()
-    playwright.expect(the(page, 'pause')).to_be_enabled(timeout=PATIENCE)
+    playwright.expect(the(page, 'pause')).to_be_enabled()
     names = {'Speed of the shaft, RPM', 'Dial of the lamp, flashes a minute', 'Release angle, rad'}
     for name in names:
         assert page.get_by_role('textbox', name=name).count() == 1
