@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 sys.path.insert(0, str(Path(__file__).parent))  # for command_server.py
 
@@ -27,6 +28,8 @@ from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
+settings.register_profile('at any speed', deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile('at any speed')
 PATIENCE = 120.0
 READ_WHEN_USED = {'COLUMNS', 'ROS_DOMAIN_ID'}
 """Variables that no module reads as it is loaded."""

@@ -145,9 +145,10 @@ class Cores:
 
 
 def _leave_interrupts_to_the_parent() -> None:
-    # A terminal sends them to all; the parent stops the workers.
+    # A terminal sends them to all; the parent stops the workers, by a signal that its command takes for an interrupt.
     for number in (signal.SIGINT, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 def perform_all(

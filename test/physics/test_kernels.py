@@ -18,7 +18,7 @@ from kapitsa_ros.units import RPM
 ROOTS = st.lists(st.floats(0.01, 3.0), min_size=0, max_size=5)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(ROOTS, st.lists(st.tuples(st.floats(-2, 2), st.floats(0.05, 2)), max_size=3), st.floats(0.1, 1.0))
 def test_first_descent_finds_the_first_root(roots, pairs, end):
     """Of a polynomial made of its roots, real and complex, that starts positive."""
@@ -43,7 +43,7 @@ def test_first_descent_leaves_behind_the_event_it_starts_from():
     assert first_descent(np.array([0.0, 1.0, 1.0]), 1.0) == NEVER
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(st.lists(st.floats(-3, 3), min_size=1, max_size=12), st.floats(0, 1), st.floats(0, 1))
 def test_a_shifted_polynomial_is_the_same(coefficients, by, at):
     series = np.array(coefficients)
@@ -69,7 +69,7 @@ def test_interpolation_is_exact_for_the_polynomials_it_can_hold(points):
             assert value(series[i], tau) == pytest.approx(expected, rel=1e-9, abs=1e-11)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.floats(-60, 5), st.floats(0.0, 4.0))
 def test_the_frictionless_map_keeps_area(a, q):
     x1, r1, x2, r2 = half_period(a, q)

@@ -166,7 +166,7 @@ def test_impacts_too_thick_to_be_told_apart_are_refused():
         swing(plant, SPEED, 0.1, blocks=3)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     plant=rods(
         slenderness=st.floats(0.01, 0.6),

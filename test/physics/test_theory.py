@@ -50,7 +50,7 @@ def test_exponents_are_those_of_the_monodromy_matrix(plant, rpm):
         assert slow is None
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(
     plant=rods(
         slenderness=st.floats(0.003, 0.9),
