@@ -3,7 +3,7 @@
 Before a fork there is nothing of DDS, and no other thread but LTTng's, which wait for a tracer. A request is a datagram
 of the names of nodes, with file descriptors: of a file with the request in JSON, of the nodes' parameters, of the pipe
 that becomes their stderr, and of a socket on which the process id, with a descriptor of the process, and at last its
-exit status and the time of its end are told.
+exit status is told, and when its end was noticed.
 """
 
 from __future__ import annotations
@@ -84,7 +84,9 @@ def serve(requests: socket.socket) -> None:
     poll = select.poll()
     poll.register(requests, select.POLLIN)
     while True:
-        for descriptor, _ in poll.poll():
+        events = poll.poll()
+        now = time.monotonic()
+        for descriptor, _ in events:
             if descriptor == requests.fileno():
                 message, descriptors = _request(requests)
                 if not message:
@@ -113,7 +115,7 @@ def serve(requests: socket.socket) -> None:
                 pid, report = nodes.pop(descriptor)
                 if heard.pop(report, None):
                     poll.unregister(report)
-                _tell(report, f'{os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])} {time.monotonic():.6f}')
+                _tell(report, f'{os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])} {now:.6f}')
                 os.close(report)
 
 

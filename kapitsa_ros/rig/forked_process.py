@@ -20,7 +20,7 @@ class ForkedProcess:
     ----------
     report
         The socket on which the server tells the process id, with a file descriptor of the process, and at last its
-        exit status, and when it ended. It is closed with this object.
+        exit status, and when it noticed the end. It is closed with this object.
 
     Raises
     ------
@@ -37,7 +37,7 @@ class ForkedProcess:
         self.orphaned = False
         """Whether its server was killed: it is about to leave, and nobody can tell with which status."""
         self.ended_at = math.inf
-        """When it ended, on the monotonic clock; infinite while nothing is known of that."""
+        """When its server noticed its end, on the monotonic clock; infinite while nothing is known of that."""
         text, descriptors, _, _ = socket.recv_fds(report, _LONGEST, 1)
         if not text:
             raise EOFError

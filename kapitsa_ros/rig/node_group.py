@@ -82,8 +82,8 @@ class NodeGroup:
         """
         ended = [(process, process.status()) for process in self._processes]
         failed = [(process, status) for process, status in ended if status]
-        # The first may be the cause of all others: they fell with it.
-        for process, status in sorted(failed, key=lambda pair: pair[0].ended_at):
+        # The first may be the cause of all others: they fell with it. One that broke is more telling than one killed.
+        for process, status in sorted(failed, key=lambda pair: (pair[0].ended_at, pair[1] < 0)):
             who, lines = process.last_error()
             said = {'node': who, 'lines': f': {lines}' if lines else ''}
             if status < 0:

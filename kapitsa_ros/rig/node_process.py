@@ -92,7 +92,7 @@ class NodeProcess:
 
     @property
     def ended_at(self) -> float:
-        """When it ended, on the monotonic clock; infinite while nothing is known of that."""
+        """When its end was noticed, on the monotonic clock; infinite while nothing is known of that."""
         return self._process.ended_at
 
     def status(self) -> int | None:

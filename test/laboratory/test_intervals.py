@@ -71,6 +71,17 @@ def test_the_same_readings_give_the_same_interval():
     assert perform(experiment(Plant(), THREE), 1).interval == perform(experiment(Plant(), THREE), 1).interval
 
 
+def test_evidence_is_the_same_whatever_rods_are_drawn_from() -> None:
+    """The prior, or Student's distribution: what differs is chance, of some hundred rods that count."""
+    evidence = evidence_of(timing_rows(experiment(Plant(), THREE, seed=1).runs()))
+    only_damping = Assumptions(play_probability=0.0, coulomb_probability=0.0)
+    fit = CurveFit(evidence, Ruler(amplitude=Plant().amplitude), Plant().gravity, only_damping)
+    of_prior = fit.posterior()
+    assert of_prior.proposal[1] is None
+    wider = replace(of_prior, proposal=(np.zeros(5), 1.2 * np.eye(5)))
+    assert fit.posterior(wider).log_evidence == pytest.approx(of_prior.log_evidence, abs=0.1)
+
+
 @pytest.mark.parametrize(
     ('plant', 'seed'),
     [

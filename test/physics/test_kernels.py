@@ -12,6 +12,7 @@ from kapitsa_ros.physics.kernels.hermite import acceleration_series, stencil_wei
 from kapitsa_ros.physics.kernels.mathieu import half_period
 from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
 from kapitsa_ros.physics.kernels.series import shift, value, value_and_slope
+from kapitsa_ros.physics.kernels.slow_period import widths_after
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
@@ -117,3 +118,16 @@ def test_the_order_of_the_series_is_sixteen():
     truth = end(32)
     errors = [abs(end(steps) - truth) for steps in (4, 6)]
     assert math.log(errors[0] / errors[1]) / math.log(1.5) > 15
+
+
+@pytest.mark.parametrize('loss', [0.0, 0.01, 0.03])
+def test_widths_go_on_smoothly_to_damping_below_0(loss: float) -> None:
+    """So does a fit that looks for the best damping; where it strays far, widths are large numbers and no others."""
+    damping = np.array([-2e-4, -1e-4, 0.0, 1e-4, 2e-4, -1e6])
+    each, width = np.ones(damping.size), np.empty(damping.size)
+    widths_after(2.0 * each, 0.01 * each, damping, 6.0 * each, loss * each, 0.12, 2.0, width)
+    slopes = np.diff(width[:5])
+    assert slopes == pytest.approx(slopes.mean(), rel=1e-3)
+    assert width[5] > 1e9
+    widths_after(2.0 * each, 0.01 * each, damping, 6.0 * each, loss * each, 0.0, 2.0, width)
+    assert np.isfinite(width).all()

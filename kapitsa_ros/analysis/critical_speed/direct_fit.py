@@ -173,6 +173,7 @@ class CurveFit:
         return float(threshold)
 
     def _fitted(self) -> Minimum:
+        # With no correction, or that of the fit before.
         best = self._minimum(self._first_guess()).parameters
         for _ in range(_MOST_PASSES):
             self._likelihood.correct(*best[:2])
@@ -218,7 +219,8 @@ class CurveFit:
             residuals=of_two.residuals,
             jacobian=_undamped(of_two.jacobian),
         )
-        damping = start[-1] or 0.5 * self._assumptions.light_damping
+        light = self._assumptions.light_damping
+        damping = max(start[-1], 0.01 * light) if start[-1] else 0.5 * light  # it sets the scale, too
         within = minimise(self._residuals, np.append(start[:-1], damping))
         return within if within.parameters[-1] >= 0.0 and within.chi_squared < at_end.chi_squared else at_end
 

@@ -49,10 +49,10 @@ def minimise(residuals: Callable[[Array], Array], start: Array) -> Minimum:
     residuals
         From M sets of parameters, shape (M, P), to their residuals, shape (M, R).
     start
-        Shape (P,), none 0: each parameter's scale is a thousandth of its start.
+        Shape (P,), all above 0: each parameter's scale is a thousandth of its start.
 
     """
-    linear = _Linear(residuals, _STEP * np.abs(start))
+    linear = _Linear(residuals, _STEP * start)
     found, _, details, *_ = leastsq(
         lambda parameters: linear.at(parameters)[0],
         start,

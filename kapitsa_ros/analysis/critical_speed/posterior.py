@@ -81,7 +81,7 @@ class Posterior:
     log_evidence: float
     """ln of the probability of the evidence, up to a constant of the number of timings."""
     proposal: tuple[Array, Array | None]
-    """Mean and root of what rods were drawn from; without a root, from the prior."""
+    """Mean and root of what rods were drawn from, or should be next where too few count; without a root, the prior."""
 
     @property
     def coulomb(self) -> float:
@@ -152,7 +152,7 @@ def posterior(
         heavy_damping_probability=float(np.sum(each[rods.damping > 3.0 * assumptions.light_damping])),
         rods=rods,
         rod_weight=each,
-        log_evidence=total - math.log(weight.size) - (0.0 if root is None else 0.5 * _DIMENSIONS * math.log(2.0)),
+        log_evidence=total - math.log(weight.size),
         proposal=(mean, root),
     )
 

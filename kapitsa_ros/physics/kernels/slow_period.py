@@ -21,6 +21,7 @@ FIRST_PRESS = 0.75
 _ITERATIONS = 5  # of ν², each of which makes it some 100 times better
 _NO_SWING = 1e-10  # ν² that stands for no slow frequency at all
 _WIDEST = 1.4  # rad
+_GROWTH = 30.0  # ln of how much wider than at its release a swing gets at most, where damping is below 0
 _BARRIER = 1e-3  # share of the small swing's stiffness that is left to a swing at the barrier
 _PHASES = np.sin((np.arange(4) + 0.5) * math.pi / 8.0)  # midpoints: the integrand is periodic and smooth
 _NODES = 0.5 * (np.polynomial.legendre.leggauss(2)[0] + 1.0)  # of the time of a timing, equally weighted
@@ -82,8 +83,8 @@ def widths_after(
     """Fill in widths some periods after a release, rad: A′ = −cA/2 − (friction's loss), and 0 at the end."""
     for rod in range(width.size):
         start = release / (1.0 - min(k[rod] * amplitude[rod], 0.9))  # at the bottom of the stroke (report, eq. 12)
-        decay = damping[rod] * math.pi / slow[rod] * periods
-        mean = -math.expm1(-decay) / decay if decay > 1e-8 and loss[rod] > 0.0 else 1.0
+        decay = max(damping[rod] * math.pi / slow[rod] * periods, -_GROWTH)
+        mean = -math.expm1(-decay) / decay if abs(decay) > 1e-8 and loss[rod] > 0.0 else 1.0
         width[rod] = max(start * math.exp(-decay) - loss[rod] * periods * mean, 0.0)
 
 
