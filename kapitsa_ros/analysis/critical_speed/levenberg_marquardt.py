@@ -85,6 +85,7 @@ class _Linear:
             sets = np.empty((2 * size + 1, size))
             sets[:] = parameters
             of_one = np.arange(size)
+            # Where it is, a row each with one parameter ahead, and a row each with one behind.
             sets[1 + of_one, of_one], sets[1 + size + of_one, of_one] = ahead, behind
             found = self._residuals(sets)
             self._here = found[0], (found[1 : 1 + size] - found[1 + size :]).T / (ahead - behind)
