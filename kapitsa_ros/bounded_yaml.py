@@ -26,10 +26,32 @@ class _Loader(_BASE):  # type: ignore[misc]
         return super().construct_mapping(node, deep)
 
 
-def load_yaml(text: str) -> Any:
+class _TagBlindLoader(_Loader):
+    """Takes what has a tag that nobody knows here for the mapping, sequence or scalar that it is."""
+
+
+def _construct_untagged(loader: Any, _: str, node: yaml.Node) -> Any:
+    if isinstance(node, yaml.MappingNode):
+        return loader.construct_mapping(node, deep=True)
+    if isinstance(node, yaml.SequenceNode):
+        return loader.construct_sequence(node, deep=True)
+    return loader.construct_scalar(node)
+
+
+_TagBlindLoader.add_multi_constructor('', _construct_untagged)
+
+
+def load_yaml(text: str, *, any_tag: bool = False) -> Any:
     """Return what a YAML document holds.
 
     Aliases count with all that they stand for: a few lines can stand for more than a memory holds.
+
+    Parameters
+    ----------
+    text
+        The document.
+    any_tag
+        Whether a tag that nobody knows is overlooked; else it is refused.
 
     Raises
     ------
@@ -39,7 +61,7 @@ def load_yaml(text: str) -> Any:
     """
     _check_size(text)
     try:
-        return yaml.load(text, Loader=_Loader)  # noqa: S506 - a safe one
+        return yaml.load(text, Loader=_TagBlindLoader if any_tag else _Loader)  # noqa: S506 - safe ones
     except (ValueError, OverflowError, RecursionError) as error:  # a date or a number that there is not
         raise yaml.YAMLError(str(error)) from error
 

@@ -51,8 +51,8 @@ def find_file(folder: str, name: str | Path, error: type[KapitsaError]) -> Path:
     raise error(f'no {what} {str(name)!r}: give the path of a {suffix[1:].upper()} file or one of {", ".join(shipped)}')
 
 
-def read_mapping(path: Path, error: type[KapitsaError]) -> dict[str, Any]:
-    """Read a YAML file that holds a mapping.
+def read_mapping(path: Path, error: type[KapitsaError], *, any_tag: bool = False) -> dict[str, Any]:
+    """Read a YAML file that holds a mapping; a tag that nobody knows is refused, unless `any_tag`.
 
     Raises
     ------
@@ -61,7 +61,7 @@ def read_mapping(path: Path, error: type[KapitsaError]) -> dict[str, Any]:
 
     """
     try:
-        document = load_yaml(path.read_text(encoding='utf-8'))
+        document = load_yaml(path.read_text(encoding='utf-8'), any_tag=any_tag)
     except (yaml.YAMLError, UnicodeDecodeError) as cause:
         raise error(f'{path} is not YAML: {str(cause).splitlines()[0]}') from cause
     except OSError as cause:

@@ -12,7 +12,6 @@ import rclpy
 from rclpy._rclpy_pybind11 import RCLError, UnknownROSArgsError  # they have no public type
 from rclpy.signals import SignalHandlerOptions, uninstall_signal_handlers
 
-from kapitsa_ros.configuration.files import read_mapping
 from kapitsa_ros.errors import FAILED, KapitsaError, shorten
 from kapitsa_ros.ros.arguments import beside_ros, split_parent, typed_parameters
 from kapitsa_ros.ros.composition import Composition
@@ -21,6 +20,7 @@ from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
 from kapitsa_ros.ros.log_output import refuse_unknown_switches
 from kapitsa_ros.ros.output_port import hold_output_port
+from kapitsa_ros.ros.params_file import read_params_file
 from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, security_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.signals import hold_signals_back, ignore_signals, let_signals_through
@@ -110,7 +110,10 @@ def _start(arguments: list[str]) -> None:
         raise SettingError(f'argument {own[0]} is unknown: parameters are given as --ros-args -p NAME:=VALUE')
     for option, value in itertools.pairwise(arguments):
         if option == '--params-file':
-            _refuse_params_file(Path(value))
+            try:
+                read_params_file(Path(value))
+            except SettingError as error:
+                raise SettingError(f'--params-file {error}') from error
     refuse_unknown_switches()
     refuse_unreachable()
     hold_output_port()
@@ -121,11 +124,3 @@ def _start(arguments: list[str]) -> None:
     except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(security_text(error) or f'ROS arguments: {first_line(error)}') from error
 
-
-def _refuse_params_file(path: Path) -> None:
-    """Refuse what rcl would take for a file of no parameters, and say nothing."""
-    if not path.is_file():
-        raise SettingError(f'--params-file {path}: there is no such file')
-    nodes = read_mapping(path, SettingError)
-    if not all(isinstance(node, dict) for node in nodes.values()):
-        raise SettingError(f'--params-file {path}: below the name of a node, or `/**`, stands `ros__parameters:`')
