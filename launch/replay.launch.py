@@ -10,6 +10,7 @@ from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.environment import loopback
 from kapitsa_ros.rig.launch_arguments import (
     NODE_ARGUMENTS,
+    TRUTH_VALUES,
     executables,
     given_to_viewer,
     node_options,
@@ -24,8 +25,8 @@ ARGUMENTS = {
     'rate': ('1.0', 'simulated over wall seconds; 0: as fast as it can', None),
     'start': ('0.0', 'where to begin, s of the runs laid end to end', None),
     'end': ('', 'where to end, s; empty: the end', None),
-    'loop': ('false', 'begin again at the end', ['true', 'false']),
-    'start_paused': ('false', 'wait for the service player/resume', ['true', 'false']),
+    'loop': ('false', 'begin again at the end', TRUTH_VALUES),
+    'start_paused': ('false', 'wait for the service player/resume', TRUTH_VALUES),
     'viewer': ('none', 'what shows the runs, if its package is installed', list(VIEWERS)),
     'namespace': NODE_ARGUMENTS['namespace'],
     'log_level': NODE_ARGUMENTS['log_level'],

@@ -14,6 +14,7 @@ from kapitsa_ros.rig.launch_arguments import (
     executables,
     given_to_viewer,
     make_ready,
+    namespace_of,
     node_options,
     rig_from,
 )
@@ -51,7 +52,8 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     if arguments['viewer'] != 'none':
         path = Path(__file__).with_name('viewer.launch.py')
         given = given_to_viewer(arguments, setup.plant)
-        programs(arguments['viewer'], setup.plant)  # nothing is made or started where its package is missing
+        # Nothing is made or started where its package is missing.
+        programs(arguments['viewer'], setup.plant, namespace=namespace_of(arguments, context))
         started.append(IncludeLaunchDescription(str(path), launch_arguments=given.items()))
     make_ready(setup)
     return started

@@ -7,7 +7,7 @@ from launch_ros.actions import Node
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.rig.environment import loopback
-from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, drawn_from, node_options
+from kapitsa_ros.rig.launch_arguments import NODE_ARGUMENTS, drawn_from, namespace_of, node_options
 from kapitsa_ros.rig.viewers import PACKAGE, VIEWERS, Program, programs
 from kapitsa_ros.ros.arguments import FOXGLOVE_PORT
 from launch import LaunchContext, LaunchDescription, LaunchDescriptionEntity
@@ -31,7 +31,9 @@ def as_node(program: Program, arguments: dict[str, str], context: LaunchContext)
         package=program.package,
         executable=program.executable,
         arguments=list(program.arguments),
+        namespace=arguments['namespace'] or None,
         parameters=[program.parameters] if program.parameters else None,
+        remappings=list(program.remappings),
         output='screen',
     )
 
@@ -40,7 +42,7 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     """Start the viewer and what it needs, or say which package is missing."""
     arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
     plant, bags = drawn_from(arguments)
-    wanted = programs(arguments['viewer'], plant, bags)
+    wanted = programs(arguments['viewer'], plant, bags, namespace_of(arguments, context))
     started: list[LaunchDescriptionEntity] = [as_node(program, arguments, context) for program in wanted]
     if arguments['viewer'] == 'foxglove':
         is_played_back = bool(bags) and wanted[0].package == PACKAGE

@@ -22,6 +22,8 @@ from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.preflight import prepare
 from kapitsa_ros.rig.setup import Replay, Setup, replay_parameters
 from kapitsa_ros.ros.arguments import COMPOSED, PARENT_OPTION
+from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.params_file import read_params_file
 from kapitsa_ros.schema import describe, description_of
 
 if TYPE_CHECKING:
@@ -29,18 +31,23 @@ if TYPE_CHECKING:
 
 PLANT_ARGUMENTS = {item.name: description_of(item) for item in describe(Plant)}
 """Launch arguments that stand for a parameter of the plant, and what they mean."""
+TRUTH_VALUES = ['true', 'false', 'True', 'False']
+"""As launch files and Python write them."""
 NODE_ARGUMENTS: dict[str, tuple[str, str, list[str] | None]] = {
     'namespace': ('', 'of the nodes', None),
     'log_level': ('', 'of the nodes', ['', 'debug', 'info', 'warn', 'error', 'fatal']),
-    'composed': ('false', 'all nodes in one process', ['true', 'false']),
+    'composed': ('false', 'all nodes in one process', TRUTH_VALUES),
 }
 """Launch arguments of all nodes: default, meaning, choices."""
+_OF_ONE_ROLE = (*PLANT_ARGUMENTS, 'protocol', 'rate', 'bags', 'compression')
+_OF_ALL_ROLES = ('seed',)
+"""Launch arguments that are parameters of nodes: of one role, or of several that all get the same."""
 _NAMESPACE = re.compile(r'/|(/?[a-z_]\w*)(/[a-z_]\w*)*', re.ASCII | re.IGNORECASE)
 """What rcl takes; it would be said by each of the nodes, in its words."""
 
 
 def rig_from(arguments: Mapping[str, str]) -> Setup:
-    """Return the rig that the arguments of a launch describe.
+    """Return the rig that the arguments of a launch describe, and its `params_file`, which goes before them.
 
     Raises
     ------
@@ -48,6 +55,7 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
         An argument cannot be used.
 
     """
+    arguments = {**arguments, **_arguments_in_file(arguments)}
     with _errors_in_launch_form():
         of_plant = {name: arguments[name] for name in PLANT_ARGUMENTS if arguments.get(name)}
         return Setup(
@@ -89,26 +97,30 @@ def node_options(arguments: Mapping[str, str], context: Any, values: Mapping[str
     Raises
     ------
     UsageError
-        There is no such file, or it is no namespace.
+        It is no params file, or no namespace.
 
     """
     namespace = arguments['namespace']
     if namespace and not _NAMESPACE.fullmatch(namespace):
         raise UsageError(f'namespace:={namespace!r}: give words of letters, digits and _ between /, as in lab/left')
-    file = Path(arguments.get('params_file', '')).expanduser()
-    if arguments.get('params_file') and not file.is_file():
-        raise UsageError(f'params_file:={file}: there is no such file')
+    file = _params_file(arguments)
     level = arguments['log_level']
     # A node leaves when its launcher is gone, even killed. A prefix, such as a debugger, is a parent in between.
     prefixed = context.launch_configurations.get('launch-prefix')
     return {
         'namespace': namespace or None,
-        'parameters': [dict(values), *([str(file)] if arguments.get('params_file') else [])],
+        'parameters': [dict(values), *([str(file)] if file else [])],
         'arguments': [] if prefixed else [PARENT_OPTION, str(os.getpid())],
         'ros_arguments': ['--log-level', level] if level else [],
         'output': 'screen',
         'on_exit': end_with_failed,
     }
+
+
+def namespace_of(arguments: Mapping[str, str], context: Any) -> str:
+    """Return the namespace of the nodes of a launch: its argument, below one that was pushed by who includes it."""
+    pushed, given = context.launch_configurations.get('ros_namespace', ''), arguments['namespace']
+    return given if given.startswith('/') else f'{pushed.rstrip("/")}/{given}'.rstrip('/')
 
 
 def executables(roles: Sequence[str], arguments: Mapping[str, str], options: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -124,7 +136,7 @@ def executables(roles: Sequence[str], arguments: Mapping[str, str], options: Map
         Of every node, from `node_options`.
 
     """
-    if arguments['composed'] == 'true':  # without a name, which all would get
+    if _is_true(arguments['composed']):  # without a name, which all would get
         return [{**options, 'executable': COMPOSED, 'arguments': [*options['arguments'], *roles]}]
     return [{**options, 'executable': role, 'name': role} for role in roles]
 
@@ -142,8 +154,8 @@ def replay_from(arguments: Mapping[str, str]) -> dict[str, Any]:
         replay = Replay(
             rate=_read('rate', arguments),
             part=PlaybackParameters.of({name: arguments[name] for name in ('start', 'end') if arguments[name]}),
-            loop=arguments['loop'] == 'true',
-            start_paused=arguments['start_paused'] == 'true',
+            loop=_is_true(arguments['loop']),
+            start_paused=_is_true(arguments['start_paused']),
         )
         paths = runs_below(Path(arguments['bags']).expanduser())
         for bag in runs_of(paths):
@@ -216,6 +228,34 @@ def end_with_failed(event: Any, context: Any) -> None:
     """
     if event.returncode and not context.is_shutdown:
         raise RigError(f'{event.process_name} has failed with status {event.returncode}: the other nodes are stopped')
+
+
+def _is_true(argument: str) -> bool:
+    return argument.lower() == 'true'
+
+
+def _params_file(arguments: Mapping[str, str]) -> Path | None:
+    given = arguments.get('params_file')
+    return Path(given).expanduser() if given else None
+
+
+def _arguments_in_file(arguments: Mapping[str, str]) -> dict[str, str]:
+    """Return what nodes are given in the params file and a launch derives other things from, as launch arguments."""
+    file = _params_file(arguments)
+    if file is None:
+        return {}
+    try:
+        parameters = read_params_file(file)
+    except SettingError as error:
+        raise UsageError(f'params_file:={error}') from error
+    of_all = {name: value for node, given in parameters.items() if node == '/**' for name, value in given.items()}
+    of_one = {name: value for given in parameters.values() for name, value in given.items()}
+    return {
+        name: str(given[name])
+        for names, given in ((_OF_ALL_ROLES, of_all), (_OF_ONE_ROLE, of_one))
+        for name in names
+        if isinstance(given.get(name), str | float | int)  # all else is refused by the node
+    }
 
 
 def _read(name: str, arguments: Mapping[str, str]) -> Any:

@@ -32,9 +32,10 @@ class Program:
     executable: str
     arguments: tuple[str, ...] = ()
     parameters: dict[str, Any] = field(default_factory=dict)
+    remappings: tuple[tuple[str, str], ...] = ()
 
 
-def programs(viewer: str, plant: Plant, bags: Sequence[str] = ()) -> list[Program]:
+def programs(viewer: str, plant: Plant, bags: Sequence[str] = (), namespace: str = '') -> list[Program]:
     """Return what to start so that a viewer shows a rig with this plant.
 
     Foxglove is served by its bridge, or by our own server (`live_view`) where that is not installed.
@@ -47,11 +48,13 @@ def programs(viewer: str, plant: Plant, bags: Sequence[str] = ()) -> list[Progra
         That is drawn.
     bags
         Folders of the runs, where it is a replay.
+    namespace
+        Of the rig.
 
     Raises
     ------
     UsageError
-        There is no such viewer, or a package it needs is not installed.
+        There is no such viewer, a package it needs is not installed, or it sees no rig in a namespace.
 
     """
     if viewer not in VIEWERS:
@@ -75,8 +78,15 @@ def programs(viewer: str, plant: Plant, bags: Sequence[str] = ()) -> list[Progra
         raise UsageError(f'viewer {viewer} needs {" and ".join(missing)}: sudo apt install {names}{instead}')
     if viewer == 'rviz':
         config = str(resource_path('config', 'viewers', 'kapitsa.rviz'))
-        return [_state_publisher(plant), Program('rviz2', 'rviz2', ('-d', config), {'use_sim_time': True})]
+        # The file names the topic as it is without a namespace.
+        remappings = (('/robot_description', 'robot_description'),)
+        return [_state_publisher(plant), Program('rviz2', 'rviz2', ('-d', config), {'use_sim_time': True}, remappings)]
     if viewer == 'plotjuggler':
+        if namespace.strip('/'):
+            raise UsageError(
+                f'viewer plotjuggler: its layout has the topics of a rig without a namespace, not of {namespace}: '
+                'start plotjuggler by itself and choose them'
+            )
         layout = str(resource_path('config', 'viewers', 'plotjuggler.xml'))
         return [Program('plotjuggler', 'plotjuggler', ('--layout', layout))]
     if viewer == 'foxglove':
@@ -102,7 +112,8 @@ def _bridge() -> Program:
             'address': '127.0.0.1',
             'port': FOXGLOVE_PORT,
             'use_sim_time': True,
-            'best_effort_qos_topic_whitelist': [f'/{topic.name}' for topic in RECORDED],
+            # Regular expressions, for a rig in a namespace too.
+            'best_effort_qos_topic_whitelist': [f'(/.*)?/{topic.name}' for topic in RECORDED],
         },
     )
 

@@ -123,4 +123,3 @@ def _start(arguments: list[str]) -> None:
         rclpy.init(args=[*arguments, *without_log_files()], signal_handler_options=SignalHandlerOptions.NO)
     except (RCLError, UnknownROSArgsError) as error:
         raise SettingError(security_text(error) or f'ROS arguments: {first_line(error)}') from error
-

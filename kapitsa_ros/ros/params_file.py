@@ -33,7 +33,9 @@ def read_params_file(path: Path) -> dict[str, dict[str, Any]]:
 def _parameters(name: str, node: Any, path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield the nodes of a name or a namespace: each has `ros__parameters` or stands above one that has."""
     if not isinstance(node, dict):
-        raise SettingError(f'{path}: below the name of a node, or `/**`, stands `{_PARAMETERS}:`, then names and values')
+        raise SettingError(
+            f'{path}: below the name of a node, or `/**`, stands `{_PARAMETERS}:`, then names and values'
+        )
     for key, value in node.items():
         if key == _PARAMETERS and isinstance(value, dict):
             yield name, value

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+import yaml
 
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.rig.errors import RigError, UsageError
@@ -19,8 +20,10 @@ from kapitsa_ros.rig.launch_arguments import (
     PLANT_ARGUMENTS,
     drawn_from,
     end_with_failed,
+    executables,
     given_to_viewer,
     make_ready,
+    namespace_of,
     node_options,
     replay_from,
     rig_from,
@@ -71,6 +74,28 @@ def test_what_cannot_be_is_refused_in_words_of_launch(tmp_path: Path, name: str,
     assert not (tmp_path / 'new').exists()
 
 
+def test_parameters_in_a_file_are_those_of_the_rig(tmp_path: Path) -> None:
+    """What a launch derives of them, such as the drawn rod and the folder that is made, is that of the nodes."""
+    path = tmp_path / 'mine.yaml'
+    said = SAID | {'bags': str(tmp_path / 'not_this'), 'length': '1.0', 'params_file': str(path)}
+    with pytest.raises(UsageError, match=r'^params_file:=.*mine.yaml: there is no such file'):
+        rig_from(said)
+    path.write_text('rate: 5.0\n', encoding='utf-8')
+    with pytest.raises(UsageError, match=r'^params_file:=.*mine.yaml: below the name of a node'):
+        rig_from(said)
+    given = {
+        '/**': {'length': 0.5, 'seed': 9, 'reaction_time': 0.1, 'expect': ['jigsaw']},
+        '/strobe': {'seed': 3},
+        'recorder': {'bags': str(tmp_path / 'new'), 'compression': 'zstd'},
+        'operator': {'protocol': 'manual'},
+    }
+    path.write_text(yaml.safe_dump({node: {'ros__parameters': own} for node, own in given.items()}), encoding='utf-8')
+    setup = ready(said)
+    assert (setup.plant.length, setup.seed, setup.protocol, setup.compression) == (0.5, 9, 'manual', 'zstd')
+    assert (tmp_path / 'new').is_dir()
+    assert not (tmp_path / 'not_this').exists()
+
+
 @pytest.mark.parametrize(('protocol', 'run'), [('1997', 'run_02_2640rpm'), ('manual', 'run_01_0rpm')])
 def test_a_run_that_is_there_is_refused_before_the_start(tmp_path: Path, protocol: str, run: str) -> None:
     (tmp_path / run).mkdir()
@@ -94,9 +119,6 @@ def test_what_every_node_of_a_launch_is_given(tmp_path: Path) -> None:
     assert (plain['namespace'], plain['parameters'], plain['ros_arguments']) == (None, [{'rate': 1.0}], [])
     assert plain['arguments'] == ['--parent-pid', str(os.getpid())]
     file = tmp_path / 'mine.yaml'
-    with pytest.raises(UsageError, match=r'params_file:=.*mine.yaml: there is no such file'):
-        node_options(said | {'params_file': str(file)}, context, {})
-    file.write_text('{}')
     full = node_options({'namespace': 'lab', 'log_level': 'debug', 'params_file': str(file)}, context, {'rate': 1.0})
     assert (full['namespace'], full['parameters']) == ('lab', [{'rate': 1.0}, str(file)])
     assert full['ros_arguments'] == ['--log-level', 'debug']
@@ -113,6 +135,21 @@ def test_what_is_no_namespace_is_refused_before_a_node_says_so(namespace: str, *
     said = {'namespace': namespace, 'log_level': '', 'params_file': ''}
     with contextlib.nullcontext() if is_one else pytest.raises(UsageError, match=r'^namespace:=.*as in lab'):
         assert node_options(said, SimpleNamespace(launch_configurations={}), {})['namespace'] == namespace
+
+
+@pytest.mark.parametrize(('pushed', 'given', 'together'), [
+    ('', '', ''), ('', 'lab', '/lab'), ('', '/lab', '/lab'), ('/hall', '', '/hall'), ('/hall', 'lab', '/hall/lab'),
+    ('/hall', '/lab', '/lab'),
+])  # fmt: skip
+def test_a_namespace_is_below_that_of_who_includes_the_launch(pushed: str, given: str, together: str) -> None:
+    context = SimpleNamespace(launch_configurations={'ros_namespace': pushed} if pushed else {})
+    assert namespace_of({'namespace': given}, context) == together
+
+
+@pytest.mark.parametrize(('said', 'count'), [('true', 1), ('True', 1), ('false', 2), ('False', 2)])
+def test_truth_is_written_as_in_launch_files_or_as_in_python(said: str, count: int) -> None:
+    options = node_options({'namespace': '', 'log_level': ''}, SimpleNamespace(launch_configurations={}), {})
+    assert len(executables(('jigsaw', 'strobe'), {'composed': said}, options)) == count
 
 
 def test_a_speed_no_jigsaw_turns_at_is_refused(tmp_path: Path) -> None:

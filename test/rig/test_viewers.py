@@ -56,7 +56,8 @@ pytestmark = pytest.mark.xdist_group('viewers')
 ROOT = Path(__file__).parents[2]
 CONFIG = ROOT / 'config' / 'viewers'
 SHIPPED = sorted(path.parent for path in (ROOT / 'bags').glob('*/metadata.yaml'))
-TOPICS = {f'/{topic.name}': topic.type for topic in RECORDED} | {
+NUMBERED = {f'/{topic.name}': topic.type for topic in RECORDED}
+TOPICS = NUMBERED | {
     '/joint_states': 'sensor_msgs/msg/JointState',
     '/clock': 'rosgraph_msgs/msg/Clock',
     '/diagnostics': 'diagnostic_msgs/msg/DiagnosticArray',
@@ -464,7 +465,16 @@ def test_installed_viewers_are_started_with_files_that_exist(tmp_path: Path, mon
     assert started['rviz']['robot_state_publisher'].parameters['robot_description'] == urdf(plant)
     for program in (started['rviz']['rviz2'], started['plotjuggler']['plotjuggler']):
         assert Path(program.arguments[-1]).is_file()
-    assert set(started['foxglove']['foxglove_bridge'].parameters['best_effort_qos_topic_whitelist']) <= set(TOPICS)
+    expressions = started['foxglove']['foxglove_bridge'].parameters['best_effort_qos_topic_whitelist']
+    for namespace in ('', '/lab', '/hall/lab'):  # it may not hold any rig up
+        assert all(any(re.fullmatch(one, namespace + topic) for one in expressions) for topic in NUMBERED)
+    # In a namespace RViz has to look for the model where robot_state_publisher has it.
+    manager = yaml.safe_load((CONFIG / 'kapitsa.rviz').read_text(encoding='utf-8'))['Visualization Manager']
+    (model,) = (one for one in manager['Displays'] if one['Class'].endswith('/RobotModel'))
+    assert started['rviz']['rviz2'].remappings == ((model['Description Topic']['Value'], 'robot_description'),)
+    assert programs('rviz', plant, namespace='/lab') == programs('rviz', plant)
+    with pytest.raises(UsageError, match=r'^viewer plotjuggler: .* not of /lab: start plotjuggler by itself'):
+        programs('plotjuggler', plant, namespace='/lab')
 
 
 def test_an_unknown_viewer_is_refused() -> None:
