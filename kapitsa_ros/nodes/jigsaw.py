@@ -100,6 +100,8 @@ class JigsawNode(DataflowNode):
         wait = super().poll()
         if self._peers.matched:
             self._stall_warning.note(self._next, () if self._time.stands_still else self._awaited())
+            if self._time.stands_still:
+                self._clock_publisher.repeat(self._steps.start_ns(self._next))
         return wait
 
     def _may_go(self) -> bool:

@@ -116,7 +116,10 @@ class PlayerNode(DataflowNode):
 
     def poll(self) -> float:
         """Do what is due, and show viewers what is."""
-        return min(super().poll(), self._joint_states.refresh())
+        wait = super().poll()
+        if self._peers.matched and self._time.stands_still and self._next is not None:
+            self._clock_publisher.repeat(self._next.stamp_ns)
+        return min(wait, self._joint_states.refresh())
 
     def _wait(self, step: PlayedStep, *, is_new: bool, is_shown: bool) -> float:
         """Return the seconds until a step is due; IDLE where something else has to happen before."""

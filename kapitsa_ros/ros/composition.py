@@ -10,6 +10,7 @@ from rclpy.exceptions import InvalidParameterTypeException
 from rclpy.experimental import EventsExecutor
 from rclpy.task import Future
 
+from kapitsa_ros.network.registry import NODE_NAMES
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.node_loop import NodeLoop
 from kapitsa_ros.ros.parameters import unknown_parameters
@@ -121,10 +122,20 @@ class Composition:
             watchdog.disarm()
 
 
+def _refuse_other_name(node: ProcessNode) -> None:
+    role, name = node.role.name, node.get_name()
+    if role in NODE_NAMES and name != role:
+        raise SettingError(
+            f'the node is named {name}: its name has to be {role}, by which others look for it; '
+            'a namespace tells rigs apart'
+        )
+
+
 def _create(create: Callable[[], ProcessNode], typed: frozenset[str]) -> ProcessNode:
     try:
         with destroying_half_made():
             node = create()
+            _refuse_other_name(node)
     except RuntimeError as error:  # RCLError is one; what C++ throws, as without file descriptors, is plain
         if not (rclpy.ok() and is_of_rclpy(error)):
             raise

@@ -41,6 +41,16 @@ def frame_count(intervals: int, gap: float) -> int:
     return max((count for count in range(1, most + 1) if intervals % count == 0), default=1)
 
 
+def frame_of(sample: int, due: float, stamp_ns: int, pivot: SampledMotion, motion: SampledMotion) -> Frame:
+    """Return a sample of a block that begins at a stamp as a frame."""
+    return Frame(
+        due=due,
+        stamp_ns=stamp_ns + sample * round(motion.period * SECOND),
+        position=(float(pivot.position[sample]), float(motion.position[sample])),
+        velocity=(float(pivot.rate[sample]), float(motion.rate[sample])),
+    )
+
+
 class FrameSchedule:
     """Holds the frames of the newest block; what is not shown when the next one comes is left out.
 
@@ -65,19 +75,12 @@ class FrameSchedule:
         self._since = now
         intervals = motion.position.size - 1
         count = frame_count(intervals, gap)
-        period = round(motion.period * SECOND)
         self._frames.clear()
         for number in range(count):
             # The end of each part: so the last frame before a pause is where time stands still.
             sample = (number + 1) * intervals // count
-            self._frames.append(
-                Frame(
-                    due=now + (number * gap / count if number else 0.0),
-                    stamp_ns=stamp_ns + sample * period,
-                    position=(float(pivot.position[sample]), float(motion.position[sample])),
-                    velocity=(float(pivot.rate[sample]), float(motion.rate[sample])),
-                )
-            )
+            due = now + (number * gap / count if number else 0.0)
+            self._frames.append(frame_of(sample, due, stamp_ns, pivot, motion))
 
     def skip(self, now: float) -> None:
         """Show nothing of a block: nobody looks."""

@@ -121,6 +121,13 @@ def test_a_wrong_parameter(kapitsa: Kapitsa, role: str, arguments: list[str], wo
     one_line(kapitsa('node', role, '--ros-args', *arguments, env={'ROS_DOMAIN_ID': '99'}), 2, role, *words)
 
 
+@pytest.mark.parametrize('role', ['strobe', 'composed'])
+def test_a_node_of_another_name(kapitsa: Kapitsa, role: str) -> None:
+    """Nobody would find it, and all would wait."""
+    answer = kapitsa('node', role, '--ros-args', '-r', '__node:=lamp', env={'ROS_DOMAIN_ID': '99'})
+    one_line(answer, 2, 'named lamp', 'has to be', 'namespace')
+
+
 def test_an_argument_that_is_none_of_ros(kapitsa: Kapitsa) -> None:
     one_line(kapitsa('node', 'jigsaw', 'rate:=1'), 2, 'jigsaw', 'rate:=1', '--ros-args -p')
 

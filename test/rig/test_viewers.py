@@ -1,6 +1,5 @@
 """Viewers: what is published for them, the model, and layouts that name what exists."""
 
-import itertools
 import json
 import math
 import re
@@ -138,10 +137,10 @@ def recorded_states(*bags: Path) -> dict[int, tuple[list[float], list[float]]]:
 
 
 def agree(states: list[JointState], *bags: Path) -> None:
-    """Assert that what was shown is what was recorded, at growing stamps."""
+    """Assert that what was shown is what was recorded, at growing stamps; the last again where no other comes."""
     recorded = recorded_states(*bags)
     stamps = [nanoseconds(state.header.stamp) for state in states]
-    assert all(later > earlier for earlier, later in itertools.pairwise(stamps))
+    assert stamps == sorted(stamps)
     for stamp, state in zip(stamps, states, strict=True):
         assert list(state.name) == JOINTS
         assert (list(state.position), list(state.velocity)) == recorded[stamp]
@@ -177,6 +176,32 @@ def test_a_replay_shows_the_recorded_motion() -> None:
     assert viewer.models == [urdf(RunBag(SHIPPED[0]).run.plant)]
     assert viewer.clocks == sorted(set(viewer.clocks))
     assert viewer.clocks[0] >= 86_400 * SECOND
+
+
+def said_twice(told: list[Any]) -> bool:
+    return len(told) > 1 and told[-1] == told[-2]
+
+
+def test_who_joins_while_time_stands_still_is_told_the_time_and_shown_the_rod(tmp_path: Path) -> None:
+    with Rig(rate=1.0, bags=tmp_path) as rig:
+        rig.request_speed(2500)
+        rig.release(0.12)
+        rig.wait_for('pendulum/motion')
+        rig.pause()
+        with viewer_in(rig.domain) as viewer:
+            viewer.watch(lambda: said_twice(viewer.states) and said_twice(viewer.clocks))
+            rig.resume()
+            count = len(viewer.states)
+            viewer.watch(lambda: len(viewer.states) > count + 50)
+    agree(viewer.states, next(tmp_path.glob('run_01_*')))
+
+
+def test_a_replay_that_waits_for_its_start_tells_the_time() -> None:
+    with reserved_domain() as domain, viewer_in(domain) as viewer:
+        told = replay_parameters(SHIPPED[:1], Replay(rate=1.0, start_paused=True))
+        with NodeGroup(REPLAY_NAMES, told, domain):
+            viewer.watch(lambda: said_twice(viewer.clocks))
+    assert set(viewer.clocks) == {86_400 * SECOND}
 
 
 # The model.

@@ -33,6 +33,22 @@ def test_nothing_is_cut_into_frames_or_waited_for_while_nobody_looks(publisher: 
     assert publisher.refresh() == math.inf
 
 
+def test_who_comes_while_no_step_does_is_shown_the_end_of_the_last(
+    publisher: JointStatePublisher, viewers: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = 1000.0
+    monkeypatch.setattr('time.monotonic', lambda: now)
+    publisher.offer(0, block)
+    publisher.refresh()
+    viewers.count = 1
+    for wait, shown in ((0.5, 0), (0.6, 1), (0.5, 1), (0.6, 2)):
+        now += wait
+        publisher.refresh()
+        assert len(viewers.shown) == shown
+    stamps = [(state.header.stamp.sec, state.header.stamp.nanosec) for state in viewers.shown]
+    assert stamps == [(0, 100_000_000)] * 2
+
+
 def test_who_comes_is_shown_what_comes_then(
     publisher: JointStatePublisher, viewers: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
