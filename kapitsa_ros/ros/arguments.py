@@ -31,8 +31,16 @@ def without_roles(arguments: list[str]) -> tuple[list[str], tuple[str, ...]]:
 
 
 def beside_ros(arguments: list[str]) -> list[str]:
-    """Return what stands between the role and the ROS arguments."""
-    return arguments[1 : arguments.index('--ros-args') if '--ros-args' in arguments else None]
+    """Return what follows the role and is none of the ROS arguments, which end with `--`."""
+    beside, is_of_ros = [], False
+    for argument in arguments[1:]:
+        if argument == '--ros-args':
+            is_of_ros = True
+        elif argument == '--' and is_of_ros:
+            is_of_ros = False
+        elif not is_of_ros:
+            beside.append(argument)
+    return beside
 
 
 def typed_parameters(arguments: list[str]) -> frozenset[str]:

@@ -121,5 +121,7 @@ def _start(arguments: list[str]) -> None:
     hold_signals_back()
     try:
         rclpy.init(args=[*arguments, *without_log_files()], signal_handler_options=SignalHandlerOptions.NO)
-    except (RCLError, UnknownROSArgsError) as error:
+    except UnknownROSArgsError as error:
+        raise SettingError(f'ROS arguments: unknown: {error}') from error
+    except RCLError as error:
         raise SettingError(security_text(error) or f'ROS arguments: {first_line(error)}') from error

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 
 from rclpy._rclpy_pybind11 import InvalidHandle, RCLError  # they have no public type
 from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 
 from kapitsa_ros.errors import shorten
+
+_PLACES = re.compile(r',? at /\S+\.\w+:\d+')
 
 
 def no_node_text(error: Exception) -> str:
@@ -35,8 +38,8 @@ def security_text(error: Exception) -> str | None:
 
 
 def first_line(error: Exception) -> str:
-    """Return the first line of what rcl says."""
-    return str(error).splitlines()[0] if str(error) else type(error).__name__
+    """Return the first line of what rcl says, without where that stands in its sources."""
+    return _PLACES.sub('', str(error).splitlines()[0]) if str(error) else type(error).__name__
 
 
 def is_of_rclpy(error: Exception) -> bool:

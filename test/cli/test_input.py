@@ -112,7 +112,7 @@ def test_a_folder_that_is_a_file(kapitsa: Kapitsa, tmp_path: Path) -> None:
         ('player', ['-p', 'bags:=[/nowhere]'], ['/nowhere']),
         ('jigsaw', ['-p', 'rate:=fast'], ['rate']),
         ('pendulum', ['--params-file', '/nowhere.yaml'], []),
-        ('pendulum', ['--bogus'], []),
+        ('pendulum', ['--bogus'], ['unknown', '--bogus']),
         ('pendulum', ['-p', 'expect:=[nobody]'], ['expect', 'nobody']),
         ('pendulum', ['-p', 'expect:=[observer]'], ['expect']),
     ],
@@ -130,6 +130,18 @@ def test_a_node_of_another_name(kapitsa: Kapitsa, role: str) -> None:
 
 def test_an_argument_that_is_none_of_ros(kapitsa: Kapitsa) -> None:
     one_line(kapitsa('node', 'jigsaw', 'rate:=1'), 2, 'jigsaw', 'rate:=1', '--ros-args -p')
+    one_line(kapitsa('node', 'jigsaw', '--ros-args', '-p', 'rate:=1.0', '--', 'extra'), 2, 'jigsaw', 'extra')
+
+
+@pytest.mark.parametrize('arguments', [['-p', 'rate'], ['-r', 'foo'], ['--log-level', 'loud'], ['-p']])
+def test_an_argument_that_rcl_cannot_parse(kapitsa: Kapitsa, arguments: list[str]) -> None:
+    """It says so in a line of its own, before there is a log."""
+    answer = kapitsa('node', 'jigsaw', '--ros-args', *arguments)
+    said = answer.err.splitlines()[-1]
+    assert answer.status == 2
+    assert said.startswith('jigsaw: error: ROS arguments: ')
+    assert arguments[-1] in said
+    assert '.c:' not in said
 
 
 def test_a_node_says_what_it_is(kapitsa: Kapitsa) -> None:
