@@ -180,12 +180,12 @@ def campaign(
     if output is not None:
         identity = identity_of(points, each, asdict(taken))
         file = CampaignFile(path=Path(output), points=points, experiments=each, identity=identity, resume=resume)
+    missing = [range(each * len(points))] if file is None else file.missing()
     workers = DaskCluster(scheduler) if scheduler is not None else Cores()
-    done = 0 if file is None else file.done()
     begin = time.perf_counter()
-    coming = perform_at_points([point.experiment for point in points], each, workers, taken, done)
-    kept = coming if file is None else _kept(coming, file, done)
-    fresh = Outcomes(kept if progress is None else progress(kept, each * len(points) - done))
+    coming = perform_at_points([point.experiment for point in points], each, workers, taken, missing)
+    kept = coming if file is None else _kept(coming, file)
+    fresh = Outcomes(kept if progress is None else progress(kept, sum(map(len, missing))))
     wall = time.perf_counter() - begin
     outcomes = fresh if file is None else file.finish()
     omega_crit, low, high = outcomes.omega_crit, outcomes.low, outcomes.high
@@ -207,17 +207,19 @@ def campaign(
     )
 
 
-def _kept(outcomes: Iterator[Outcome], file: CampaignFile, done: int) -> Iterator[Outcome]:
+def _kept(outcomes: Iterator[Outcome], file: CampaignFile) -> Iterator[Outcome]:
     """Pass outcomes on and write them as they come, whatever ends them."""
     waiting: list[Outcome] = []
     try:
         for outcome in outcomes:
+            if waiting and outcome.seed != waiting[-1].seed + 1:  # those between are there already
+                file.add(waiting)
+                waiting = []
             waiting.append(outcome)
             if len(waiting) == BATCH:
-                file.add(waiting, done)
-                done += len(waiting)
+                file.add(waiting)
                 waiting = []
             yield outcome
     finally:
         if waiting:
-            file.add(waiting, done)
+            file.add(waiting)

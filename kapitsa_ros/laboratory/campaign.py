@@ -175,12 +175,12 @@ def perform_at_points(
     experiments: int,
     workers: Workers | None = None,
     assumptions: Assumptions = DEFAULT_ASSUMPTIONS,
-    done: int = 0,
+    missing: Sequence[range] | None = None,
 ) -> Iterator[Outcome]:
     """Carry out many experiments at each of several points, with seeds from 1 on that go on from point to point.
 
     No chance is shared between points, so all outcomes together are independent of one another. They come point by
-    point in the order of their seeds; the first ones that are `done` are left out.
+    point in the order of their seeds. Where only some are `missing`, counted from 0 on, the others are left out.
 
     Raises
     ------
@@ -191,7 +191,8 @@ def perform_at_points(
     if experiments < 1:
         raise AnalysisError(f'{experiments} experiments: carry out one or more')
     function = partial(_perform_batch, assumptions=assumptions)
-    for outcomes in (workers or Cores()).map(function, _batches(points, experiments, done)):
+    due = [range(len(points) * experiments)] if missing is None else missing
+    for outcomes in (workers or Cores()).map(function, _batches(points, experiments, due)):
         yield from outcomes
 
 
@@ -199,11 +200,14 @@ Batch: TypeAlias = 'tuple[SimulatedExperiment, range]'
 """An experiment, and the seeds with which it is carried out."""
 
 
-def _batches(points: Sequence[SimulatedExperiment], experiments: int, done: int) -> Iterator[Batch]:
-    for number, experiment in enumerate(points):
-        begin, end = number * experiments + 1, (number + 1) * experiments + 1
-        for seed in range(max(begin, done + 1), end, BATCH):
-            yield experiment, range(seed, min(seed + BATCH, end))
+def _batches(points: Sequence[SimulatedExperiment], experiments: int, due: Sequence[range]) -> Iterator[Batch]:
+    for numbers in due:
+        begin = numbers.start
+        while begin < numbers.stop:
+            point = begin // experiments
+            end = min(begin + BATCH, (point + 1) * experiments, numbers.stop)
+            yield points[point], range(begin + 1, end + 1)
+            begin = end
 
 
 def _perform_batch(batch: Batch, assumptions: Assumptions) -> list[Outcome]:

@@ -103,9 +103,9 @@ def campaign(tmp_path: Path) -> Path:
     )
     outcomes = []
     for number, point in enumerate(points):
-        for seed in range(1, EACH + 1):
-            off = 1.2 if number and seed > EACH // 2 else 1.0
-            lost = bool(number) and seed == EACH
+        for seed in range(number * EACH + 1, (number + 1) * EACH + 1):
+            off = 1.2 if number and seed > EACH + EACH // 2 else 1.0
+            lost = seed == 2 * EACH
             outcomes.append(
                 Outcome(
                     seed=seed,
@@ -117,8 +117,8 @@ def campaign(tmp_path: Path) -> Path:
                     failure='no swing could be timed' if lost else None,
                 )
             )
-    file.add(outcomes[:7], 0)
-    file.add(outcomes[7:], 7)
+    file.add(outcomes[:7])
+    file.add(outcomes[7:])
     assert list(file.finish().failure) == [each.failure for each in outcomes]
     return path
 

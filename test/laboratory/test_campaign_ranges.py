@@ -6,7 +6,8 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ import pytest
 import yaml
 
 import kapitsa_ros as kr
+from kapitsa_ros._api.campaign_report import campaign_report
 from kapitsa_ros.configuration.campaign_ranges import ONE_POINT, load_ranges
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.configuration.instrument_sets import load_instruments
@@ -173,17 +175,25 @@ def test_a_process_that_is_killed_ends_the_campaign_with_a_line(short: Path, tmp
         )
 
 
-@pytest.fixture
-def short(tmp_path: Path) -> Path:
+@pytest.fixture(scope='module')
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Ranges with a protocol of one speed."""
-    protocol = tmp_path / 'one.yaml'
+    folder = tmp_path_factory.mktemp('short')
+    protocol = folder / 'one.yaml'
     protocol.write_text('speeds: [2240 rpm]\nrelease: 0.12 rad\nswings: 3\nrepeats: 1\n', encoding='utf-8')
-    return written(tmp_path, factors={'protocol': [str(protocol)], 'coulomb': [0.0, 8.0]}, experiments=EACH)
+    return written(folder, factors={'protocol': [str(protocol)], 'coulomb': [0.0, 8.0]}, experiments=EACH)
 
 
-def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, tmp_path: Path) -> None:
-    whole, cut = tmp_path / 'whole.parquet', tmp_path / 'cut.parquet'
-    kr.campaign(ranges=short, output=whole)
+@pytest.fixture(scope='module')
+def whole(short: Path) -> Path:
+    """Their outcomes."""
+    path = short.with_name('whole.parquet')
+    kr.campaign(ranges=short, output=path)
+    return path
+
+
+def test_a_killed_campaign_is_resumed_to_the_same_file(short: Path, whole: Path, tmp_path: Path) -> None:
+    cut = tmp_path / 'cut.parquet'
     command = [sys.executable, '-m', 'kapitsa_ros', 'campaign', '--ranges', str(short), '--output', str(cut)]
     with subprocess.Popen(command, start_new_session=True, stderr=subprocess.DEVNULL) as program:
         deadline = time.monotonic() + PATIENCE
@@ -241,6 +251,108 @@ def test_a_campaign_killed_ten_times_at_random_moments_gives_the_same_file(tmp_p
     assert not parts.exists()
 
 
+@pytest.fixture
+def cut(whole: Path, tmp_path: Path) -> Path:
+    """Path of a campaign of which seeds 1 to 6, 9 to 10 and 13 to 20 are there."""
+    path = tmp_path / 'cut.parquet'
+    parts = path.with_name('cut.parquet.parts')
+    parts.mkdir()
+    table = parquet.read_table(whole)
+    for first, end in ((0, 6), (8, 10), (12, 20)):
+        parquet.write_table(table.slice(first, end - first), parts / f'{first:09}.parquet')
+    return path
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.rglob('*.parquet')}
+
+
+def test_parts_that_are_lost_are_made_again(
+    short: Path, whole: Path, cut: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    before = contents(cut.with_name('cut.parquet.parts'))
+    made: dict[str, int] = {}
+    add = CampaignFile.add
+
+    def counted(file: CampaignFile, outcomes: list[Outcome]) -> None:
+        made[f'{outcomes[0].seed - 1:09}.parquet'] = len(outcomes)
+        add(file, outcomes)
+
+    monkeypatch.setattr(CampaignFile, 'add', counted)
+    announced = []
+    kr.campaign(ranges=short, output=cut, resume=True, progress=lambda stream, total: announced.append(total) or stream)
+    assert announced == [4]
+    assert made == {'000000006.parquet': 2, '000000010.parquet': 2}
+    assert not made.keys() & before.keys()
+    assert parquet.read_table(cut).equals(parquet.read_table(whole), check_metadata=True)
+
+
+@pytest.mark.parametrize(
+    ('name', 'rows', 'message'),
+    [
+        ('000000000 (conflicted copy).parquet', (0, 6), 'is no part, those are named by a number'),
+        ('notes.txt', (0, 6), 'is no part'),
+        ('000000004.parquet', (4, 8), r'000000004\.parquet has outcomes that 000000000\.parquet has too'),
+        ('00000000000.parquet', (0, 6), 'has outcomes that'),
+        ('000000006.parquet', (0, 2), 'has not the outcomes from seed 7 on'),
+        ('000000006.parquet', (9, 11), 'has not the outcomes from seed 7 on'),
+        ('000000020.parquet', (0, 1), 'has not the outcomes from seed 21 on'),
+        ('000000006.parquet', None, 'is no Parquet file'),
+    ],
+)
+def test_a_part_that_is_not_what_its_name_says_is_refused_and_all_stays(
+    short: Path, cut: Path, name: str, rows: tuple[int, int] | None, message: str
+) -> None:
+    whole = short.with_name('whole.parquet')
+    part = cut.with_name('cut.parquet.parts') / name
+    if rows is None:
+        part.write_bytes(b'PAR1')
+    else:
+        parquet.write_table(parquet.read_table(whole).slice(rows[0], rows[1] - rows[0]), part)
+    before = contents(cut.parent)
+    with pytest.raises(OutputError, match=f'{message}.*; move it elsewhere, --resume makes anew'):
+        kr.campaign(ranges=short, output=cut, resume=True)
+    assert contents(cut.parent) == before
+    part.unlink()
+    kr.campaign(ranges=short, output=cut, resume=True)
+    assert parquet.read_table(cut).equals(parquet.read_table(whole))
+
+
+def test_a_part_with_the_points_of_others_is_refused(short: Path, cut: Path) -> None:
+    part = cut.with_name('cut.parquet.parts') / '000000012.parquet'
+    table = parquet.read_table(part)
+    index = table.column_names.index('point')
+    parquet.write_table(table.set_column(index, 'point', pa.array([1] * len(table))), part)
+    with pytest.raises(OutputError, match='has not the outcomes from seed 13 on'):
+        kr.campaign(ranges=short, output=cut, resume=True)
+
+
+def test_a_part_that_goes_while_others_are_made_is_missed(tmp_path: Path) -> None:
+    file = file_of(tmp_path, 4)
+    file.add(outcomes_of(range(1, 3)))
+    file.add(outcomes_of(range(3, 5)))
+    (tmp_path / 'campaign.parquet.parts' / '000000000.parquet').unlink()
+    with pytest.raises(OutputError, match='outcomes are missing, from seed 1 on; go on by --resume'):
+        file.finish()
+    assert not file.path.exists()
+    assert file.missing() == [range(2)]
+
+
+@pytest.mark.parametrize('rows', [[*range(12)], [*range(10), *range(10)], [*range(6), *range(8, 20)]])
+def test_a_finished_file_without_all_outcomes_is_no_campaign(
+    short: Path, whole: Path, tmp_path: Path, rows: list[int]
+) -> None:
+    hole = tmp_path / 'hole.parquet'
+    parquet.write_table(parquet.read_table(whole).take(rows), hole)
+    before = hole.read_bytes()
+    with pytest.raises(OutputError, match=r'has not .*outcomes.*; it stays, give another name'):
+        kr.campaign(ranges=short, output=hole, resume=True)
+    assert hole.read_bytes() == before
+    with pytest.raises(OutputError, match=rf'has {len(rows)} outcomes, not 10 at each of 2 points'):
+        campaign_report(hole, tmp_path / 'report.md')
+    assert not (tmp_path / 'report.md').exists()
+
+
 def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     output = tmp_path / 'campaign.parquet'
     kr.campaign(experiments=1, output=output)
@@ -251,12 +363,16 @@ def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkey
 
 @pytest.fixture
 def file(tmp_path: Path) -> CampaignFile:
+    return file_of(tmp_path, 4000)
+
+
+def file_of(folder: Path, experiments: int) -> CampaignFile:
     plain = SimulatedExperiment(
         plant=Plant(), instruments=load_instruments('1997'), protocol=load_protocol('1997'), seed=0
     )
     points = campaign_points.campaign_points(ONE_POINT, plain)
-    path = tmp_path / 'campaign.parquet'
-    return CampaignFile(path=path, points=points, experiments=4000, identity='a test', resume=True)
+    path = folder / 'campaign.parquet'
+    return CampaignFile(path=path, points=points, experiments=experiments, identity='a test', resume=True)
 
 
 def outcomes_of(seeds: range) -> list[Outcome]:
@@ -264,18 +380,26 @@ def outcomes_of(seeds: range) -> list[Outcome]:
     return [Outcome(seed=seed, omega_crit=140.0 + 1e-3 * seed, seconds=0.01, **values) for seed in seeds]
 
 
-def test_a_disk_that_fills_keeps_what_was_finished(file: CampaignFile) -> None:
-    file.add(outcomes_of(range(1, 3)), 0)
+@contextmanager
+def full_disk() -> Iterator[None]:
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1024, limits[1]))
     try:
-        for write in (lambda: file.add(outcomes_of(range(3, 5)), 2), file.finish):
-            with pytest.raises(DiskError, match=r'campaign.parquet: cannot be written \(File too large\); .* --resume'):
-                write()
+        with pytest.raises(DiskError, match=r'campaign.parquet: cannot be written \(File too large\); .* --resume'):
+            yield
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-    assert file.done() == 2
-    file.add(outcomes_of(range(3, 5)), 2)
+
+
+def test_a_disk_that_fills_keeps_what_was_finished(tmp_path: Path) -> None:
+    file = file_of(tmp_path, 4)
+    file.add(outcomes_of(range(1, 3)))
+    with full_disk():
+        file.add(outcomes_of(range(3, 5)))
+    assert file.missing() == [range(2, 4)]
+    file.add(outcomes_of(range(3, 5)))
+    with full_disk():
+        file.finish()
     assert file.finish().seed.tolist() == [1, 2, 3, 4]
     assert parquet.read_table(file.path)['low_rpm'].null_count == 4
 
@@ -283,7 +407,7 @@ def test_a_disk_that_fills_keeps_what_was_finished(file: CampaignFile) -> None:
 def test_parts_are_joined_in_their_order_in_little_memory(file: CampaignFile, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(campaign_file, '_PARTS_AT_ONCE', 7)
     for first in range(0, 4000, 100):
-        file.add(outcomes_of(range(first + 1, first + 101)), first)
+        file.add(outcomes_of(range(first + 1, first + 101)))
     found = file.finish()
     assert found.seed.tolist() == list(range(1, 4001))
     assert parquet.read_table(file.path)['seed'].to_pylist() == list(range(1, 4001))
