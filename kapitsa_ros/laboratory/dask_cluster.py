@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from contextlib import ExitStack
 from functools import partial
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
+from kapitsa_ros.errors import shorten
 from kapitsa_ros.extras import import_of_extra
 from kapitsa_ros.laboratory.campaign import AHEAD
 from kapitsa_ros.laboratory.errors import ClusterError
@@ -18,7 +20,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.laboratory.campaign import Batch, Outcome
 
-_PATIENCE = '10s'
+_PATIENCE = 10.0
+"""Seconds in which a scheduler is to answer."""
 _LOOKED_EVERY = 5.0
 """Seconds between two looks whether there are workers."""
 _LOOKS_ALONE = 6
@@ -41,6 +44,7 @@ class DaskCluster:
     def __init__(self, address: str) -> None:
         distributed = import_of_extra('distributed', '--scheduler', 'campaign')
         _refuse_address(address)
+        _refuse_other_server(address)
         try:
             self._client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)  # a program has its own
         except (OSError, ValueError) as error:
@@ -129,11 +133,39 @@ def _refuse_versions(whose: str, ours: dict[str, str], theirs: dict[str, str]) -
         raise ClusterError(f'{whose} has other versions: {", ".join(pairs)}')
 
 
+def _refuse_other_server(address: str) -> None:
+    """Refuse what does not answer as Dask does, before a client is made.
+
+    A client waits for such an answer without end, and one that was never connected is not closed in silence.
+    """
+    from distributed.utils import LoopRunner  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+
+    try:
+        identity = LoopRunner().run_sync(_identity, address, callback_timeout=_PATIENCE)
+    except TimeoutError as error:
+        raise ClusterError(f'no Dask scheduler answers at {address}: none in {_PATIENCE:g} s') from error
+    except OSError as error:
+        raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
+    except Exception as error:  # such an answer was taken for lengths, names, pickles
+        raise ClusterError(f'no Dask scheduler answers at {address}: what is there speaks otherwise') from error
+    if 'workers' not in identity:
+        kind = shorten(str(identity['type']), 40)
+        raise ClusterError(f'no Dask scheduler is at {address}, but a {kind}: give the address of its scheduler')
+
+
+async def _identity(address: str) -> dict[str, Any]:
+    from distributed import rpc  # type: ignore[import-not-found,import-untyped,unused-ignore]  # noqa: PLC0415
+
+    async with rpc(address) as server:
+        found: dict[str, Any] = await server.identity()
+        return found
+
+
 def _refuse_address(address: str) -> None:
-    """Refuse what is no HOST:PORT before a client is made, which would look for it for long."""
+    """Refuse what is no HOST:PORT, nor a scheduler of this process, before it is looked for, which would take long."""
     try:
         parts = urlsplit(address if '://' in address else f'tcp://{address}')
-        inside = parts.scheme == 'inproc'  # of this process
+        inside = parts.scheme == 'inproc' and parts.path.startswith(f'/{os.getpid()}/')
         usable = inside or (parts.scheme == 'tcp' and bool(parts.hostname) and parts.port is not None)
     except ValueError:
         usable = False

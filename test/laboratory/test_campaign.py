@@ -1,5 +1,8 @@
 import pickle
+import socket
+import threading
 import tracemalloc
+from contextlib import ExitStack, suppress
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from kapitsa_ros.analysis.timing_row import timing_rows
 from kapitsa_ros.configuration.instrument_sets import load_instruments
 from kapitsa_ros.configuration.presets import load_preset
 from kapitsa_ros.configuration.protocols import load_protocol
+from kapitsa_ros.laboratory import dask_cluster
 from kapitsa_ros.laboratory.campaign import Outcome, efficiency, perform, perform_all, summarise
 from kapitsa_ros.laboratory.dask_cluster import of_versions
 from kapitsa_ros.laboratory.errors import ClusterError
@@ -195,12 +199,66 @@ def test_a_hundred_thousand_outcomes_are_a_few_megabytes():
 
 
 @pytest.mark.parametrize(
-    'address', ['', '127.0.0.1', 'http://127.0.0.1:8786', 'tcp://', 'tcp://127.0.0.1:abc', 'a.json']
+    'address',
+    [
+        '',
+        '127.0.0.1',
+        'http://127.0.0.1:8786',
+        'tcp://',
+        'tcp://127.0.0.1:abc',
+        'a.json',
+        'inproc://x',
+        'inproc://127.0.0.1/1/1',
+    ],
 )
-def test_what_is_no_address_of_a_scheduler_is_refused_at_once(address):
-    pytest.importorskip('distributed')
+def test_what_is_no_address_of_a_scheduler_is_refused_at_once(address, monkeypatch):
+    distributed = pytest.importorskip('distributed')
+    monkeypatch.setattr(distributed, 'Client', None)  # none is made, which would not be closed in silence
     with pytest.raises(ClusterError, match='no Dask scheduler can be at'):
         kr.campaign(experiments=1, scheduler=address)
+
+
+@pytest.fixture
+def server():
+    """Return a function that starts a server, which sends something to whoever connects, and returns its address."""
+    with ExitStack() as stack:
+
+        def start(greeting):
+            listening = stack.enter_context(socket.create_server(('127.0.0.1', 0)))
+
+            def answer():
+                with suppress(OSError):  # once it is shut down
+                    while True:
+                        connection = stack.enter_context(listening.accept()[0])
+                        connection.sendall(greeting)
+
+            thread = threading.Thread(target=answer)
+            thread.start()
+            stack.callback(thread.join)
+            stack.callback(listening.shutdown, socket.SHUT_RDWR)
+            return '{}:{}'.format(*listening.getsockname())
+
+        yield start
+
+
+@pytest.mark.parametrize(
+    ('greeting', 'message'), [(b'', 'none in 1 s'), (b'SSH-2.0-a', 'speaks otherwise'), (b'\0' * 8, 'speaks otherwise')]
+)
+def test_a_server_of_another_protocol_is_not_waited_for_for_ever(server, greeting, message, monkeypatch):
+    distributed = pytest.importorskip('distributed')
+    monkeypatch.setattr(dask_cluster, '_PATIENCE', 1.0)
+    monkeypatch.setattr(distributed, 'Client', None)
+    with pytest.raises(ClusterError, match=f'no Dask scheduler answers at 127.* {message}'):
+        kr.campaign(experiments=1, scheduler=server(greeting))
+
+
+def test_the_address_of_a_worker_is_told_from_that_of_its_scheduler():
+    distributed = pytest.importorskip('distributed')
+    one = {'n_workers': 1, 'threads_per_worker': 1, 'processes': False, 'dashboard_address': None}
+    with distributed.LocalCluster(**one) as cluster:
+        (worker,) = cluster.scheduler.workers
+        with pytest.raises(ClusterError, match='but a Worker: give the address of its scheduler'):
+            kr.campaign(experiments=1, scheduler=worker)
 
 
 def test_a_worker_that_comes_later_with_other_versions_computes_nothing():
