@@ -7,12 +7,17 @@ from typing import Any
 import yaml
 
 _DEEPEST, _LARGEST = 40, 200_000
+_MOST_DIGITS = 300
+"""Of a whole number: longer ones become neither a float nor, in the end, a text."""
 _BASE: Any = getattr(yaml, 'CSafeLoader', yaml.SafeLoader)
 """That of libyaml is ten times as fast; not everybody has it."""
 
 
 class _Loader(_BASE):  # type: ignore[misc]
-    """Refuses a name that stands twice in a mapping: of its values YAML would take the last without a word."""
+    """Refuses a number that nothing can take, and a name that stands twice in a mapping.
+
+    Of the values of such a name YAML would take the last without a word.
+    """
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> Any:  # noqa: FBT001, FBT002  # yaml's own
         lines: dict[str, int] = {}
@@ -24,6 +29,16 @@ class _Loader(_BASE):  # type: ignore[misc]
                 raise yaml.YAMLError(f'{key.value!r} stands twice, in lines {lines[key.value]} and {line}')
             lines[key.value] = line
         return super().construct_mapping(node, deep)
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        if len(node.value) > _MOST_DIGITS:
+            line = node.start_mark.line + 1
+            raise yaml.YAMLError(f'a whole number in line {line} has more than {_MOST_DIGITS} digits')
+        number: int = super().construct_yaml_int(node)
+        return number
+
+
+_Loader.add_constructor('tag:yaml.org,2002:int', _Loader.construct_yaml_int)
 
 
 class _TagBlindLoader(_Loader):

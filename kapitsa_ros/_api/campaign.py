@@ -11,7 +11,7 @@ import numpy as np
 
 from kapitsa_ros._api.inputs import as_assumptions, as_instruments, as_plant, as_protocol
 from kapitsa_ros._api.result import describe, figures, speed_text
-from kapitsa_ros.configuration.campaign_ranges import ONE_POINT, load_ranges
+from kapitsa_ros.configuration.campaign_ranges import MOST_EXPERIMENTS, ONE_POINT, load_ranges
 from kapitsa_ros.configuration.errors import ConfigurationError
 from kapitsa_ros.data_frame import data_frame
 from kapitsa_ros.laboratory.campaign import BATCH, Cores, efficiency, perform_at_points, summarise_columns
@@ -172,6 +172,9 @@ def campaign(
     each = experiments if experiments is not None else varied.experiments
     if each is None:
         raise ConfigurationError('say how many experiments: `experiments`, or a line of the file of ranges')
+    if each * len(varied.points) > MOST_EXPERIMENTS:
+        asked = f'{each} experiments at each of {len(varied.points)} points'
+        raise ConfigurationError(f'{asked}: at most {MOST_EXPERIMENTS} in all')
     points = campaign_points(varied, simulated)
     taken = as_assumptions(assumptions)
     if resume and output is None:

@@ -32,6 +32,8 @@ QUANTITIES: Mapping[str, Quantity] = {
 """Factors whose values are numbers, as of the plant or of an instrument."""
 DESIGNS = ('grid', 'list', 'latin_hypercube')
 MOST_POINTS = 100_000
+MOST_EXPERIMENTS = 10_000_000
+"""At all points together: weeks of a cluster, and what a memory and a folder of parts hold."""
 
 _KEYS = ('design', 'factors', 'experiments', 'points', 'seed')
 
@@ -100,8 +102,8 @@ def _ranges(values: Mapping[str, Any]) -> Ranges:
     elif design == 'list':
         points = list(zip(*factors.values(), strict=True))
     else:
-        points = _latin_hypercube(factors, count, _whole(values, 'seed', 0, least=0))
-    experiments = _whole(values, 'experiments', 1) if 'experiments' in values else None
+        points = _latin_hypercube(factors, count, _whole(values, 'seed', 0, least=0, most=2**63 - 1))
+    experiments = _whole(values, 'experiments', 1, most=MOST_EXPERIMENTS) if 'experiments' in values else None
     return Ranges(factors=tuple(factors), points=tuple(points), experiments=experiments)
 
 
@@ -119,7 +121,7 @@ def _number_of_points(design: str, factors: Mapping[str, tuple[Value, ...]], val
         return next(iter(sizes.values()))
     if 'points' not in values:
         raise ConfigurationError('a latin_hypercube takes the number of points, as in `points: 40`')
-    return _whole(values, 'points', 1)
+    return _whole(values, 'points', 1, most=MOST_POINTS)
 
 
 def _factor(name: str, wanted: Any, *, drawn: bool) -> tuple[Value, ...]:
@@ -149,9 +151,10 @@ def _interval(name: str, wanted: Mapping[str, Any], *, drawn: bool) -> tuple[Val
     if 'count' not in wanted:
         raise ConfigurationError(f'{name}: give the count of values from {low:g} to {high:g}')
     try:
-        return tuple(np.linspace(low, high, _whole(wanted, 'count', 2, least=2)).tolist())
+        count = _whole(wanted, 'count', 2, least=2, most=MOST_POINTS)
     except ConfigurationError as error:
         raise ConfigurationError(f'{name}: {error}') from error
+    return tuple(np.linspace(low, high, count).tolist())
 
 
 class _Interval(tuple[float, float]):
@@ -178,8 +181,8 @@ def _at(values: tuple[Value, ...], share: float) -> Value:
     return values[int(share * len(values))]
 
 
-def _whole(values: Mapping[str, Any], name: str, default: int, least: int = 1) -> int:
+def _whole(values: Mapping[str, Any], name: str, default: int, *, least: int = 1, most: int) -> int:
     value = values.get(name, default)
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise ConfigurationError(f'{name} is {value!r}: give a whole number from {least} on')
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise ConfigurationError(f'{name} is {value!r}: give a whole number from {least} to {most}')
     return value

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 VERLET_STEPS = 100
 AROUND = 250  # turns, a dozen slow periods: what an amplitude is the mean of
+MOST_TURNS = 10_000_000  # of which memory holds the orbits
 SWINGING = 1.0  # rad: beyond, the rod is falling over
 SOLVERS: tuple[tuple[str, dict[str, float]], ...] = (
     ('RK45', {}),
@@ -63,13 +64,19 @@ def compare_solvers(release: Release, *, duration: float = 300.0, cycles: int = 
     Raises
     ------
     PhysicsError
-        The plant has friction or play, which would hide what the solvers do.
+        The plant has friction or play, which would hide what the solvers do; or there are more than `MOST_TURNS`.
 
     """
     plant = release.plant
     if not plant.conservative:
         raise PhysicsError('the study asks about a frictionless pendulum: leave out damping, coulomb and clearance')
-    turns = math.floor(duration * release.speed / (2.0 * math.pi)) - 1
+    asked = duration * release.speed / (2.0 * math.pi)
+    if not max(asked, cycles) <= MOST_TURNS:
+        raise PhysicsError(
+            f'{asked:.4g} turns of the shaft for each solver and {cycles} for ours: at most {MOST_TURNS}, reduce '
+            f'{"duration" if asked > MOST_TURNS else "cycles"}'
+        )
+    turns = math.floor(asked) - 1
     for method, options in SOLVERS:
         name = f'{method} (rtol {options["rtol"]:g})' if options else f'{method} (as it comes)'
         yield _watch(name, release, lambda m=method, o=options: _scipy(release, m, o, turns))  # type: ignore[misc]

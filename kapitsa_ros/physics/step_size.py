@@ -36,11 +36,11 @@ def whole_samples(duration: float, sample_rate: float) -> int:
 
     """
     if 0 < sample_rate < math.inf and 0 < duration < math.inf:
-        count = math.floor(duration * sample_rate * (1.0 + 1e-12))
-        if count > MOST_SAMPLES:
+        count = duration * sample_rate * (1.0 + 1e-12)
+        if not count < MOST_SAMPLES + 1:  # infinite, it may be
             raise ParameterError(
                 f'{duration} s at {sample_rate} Hz: more than {MOST_SAMPLES:,} samples, reduce duration or sample_rate'
             )
         if count >= 1:
-            return count
+            return math.floor(count)
     raise ParameterError(f'{duration} s at {sample_rate} Hz: give a duration of one sample period or more')

@@ -166,6 +166,11 @@ def test_impacts_in_the_play_are_not_taken_for_turns(restitution, slow):
             ['--speed', '2500', '--release', '0.1', '--duration', '1e4', '--sample-rate', '1e9'],
             'reduce duration or sample_rate',
         ),
+        (
+            simulate,
+            ['--speed', '2500', '--release', '0.1', '--duration', '1e300', '--sample-rate', '1e300'],
+            'reduce duration or sample_rate',
+        ),
     ],
 )
 def test_what_would_take_for_ever_or_has_no_answer_is_refused(command, arguments, message):

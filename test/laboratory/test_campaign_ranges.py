@@ -90,11 +90,38 @@ def test_a_latin_hypercube_has_one_value_in_each_stratum_and_follows_its_seed(tm
             {'factors': {name: {'from': 0, 'to': 1, 'count': 400} for name in ('coulomb', 'damping')}},
             '160000 points: at most 100000',
         ),
+        (
+            {'factors': {'coulomb': {'from': 0, 'to': 3, 'count': 3_000_000_000}}},
+            'coulomb: count is 3000000000: give a whole number from 2 to 100000',
+        ),
+        (
+            {'factors': {'coulomb': [1]}, 'design': 'latin_hypercube', 'points': 10**12},
+            'points is 1000000000000: give a whole number from 1 to 100000',
+        ),
+        ({'factors': {'coulomb': [1]}, 'experiments': 10**20}, 'give a whole number from 1 to 10000000'),
     ],
 )
 def test_ranges_that_cannot_be_are_refused(tmp_path: Path, values: dict[str, Any], message: str) -> None:
     with pytest.raises(ConfigurationError, match=message):
         load_ranges(written(tmp_path, **values))
+
+
+@pytest.mark.parametrize(
+    'line', ['factors: {coulomb: [NUMBER]}', 'experiments: NUMBER', 'experiments: -NUMBER', 'seed: NUMBER']
+)
+def test_a_number_that_nothing_can_take_is_told_with_its_line(tmp_path: Path, line: str) -> None:
+    path = tmp_path / 'ranges.yaml'
+    for number in ('9' * 5000, f'0x{"f" * 5000}'):
+        path.write_text(f'design: grid\n{line}\n'.replace('NUMBER', number))
+        with pytest.raises(ConfigurationError, match='not YAML: a whole number in line 2 has more than 300 digits'):
+            load_ranges(path)
+
+
+def test_more_experiments_than_a_campaign_can_have_are_refused(tmp_path: Path) -> None:
+    path = written(tmp_path, factors={'coulomb': [0, 1]}, experiments=6_000_000)
+    for asked in ({'ranges': path}, {'experiments': 10**30}):
+        with pytest.raises(ConfigurationError, match=r'experiments at each of [12] points: at most 10000000'):
+            kr.campaign(**asked)
 
 
 def test_a_point_that_is_no_plant_is_named_before_the_work(tmp_path: Path) -> None:

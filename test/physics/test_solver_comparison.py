@@ -25,6 +25,16 @@ def test_the_divergence_is_the_solvers():
     assert abs(growth['ours,']) < 1e-13
 
 
+@pytest.mark.parametrize(
+    ('asked', 'mend'),
+    [({'duration': 1e9}, 'duration'), ({'duration': float('inf')}, 'duration'), ({'cycles': 10**30}, 'cycles')],
+)
+def test_more_turns_than_memory_holds_are_refused(asked, mend):
+    release = Release(plant=Plant(), speed=2500 * RPM, angle=0.12)
+    with pytest.raises(PhysicsError, match=f'at most 10000000, reduce {mend}'):
+        next(compare_solvers(release, **asked))
+
+
 def test_friction_would_hide_the_answer():
     with pytest.raises(PhysicsError, match='frictionless'):
         next(compare_solvers(Release(plant=Plant(coulomb=0.1), speed=250.0, angle=0.1)))
