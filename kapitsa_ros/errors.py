@@ -12,15 +12,27 @@ OPTION = '{option}'
 """Stands for the option in the message of an error that names one."""
 
 
+_LONGEST_WORD, _LONGEST_PATH = 70, 200
+"""Digests are as long as that word."""
+
+
 def shorten(text: str, longest: int = 400) -> str:
-    """Return a text on one line of so many characters at most, without its middle where it is longer."""
+    """Return a text on one line of so many characters at most, without its middle where it is longer.
+
+    A word that is none, but what somebody gave for one, loses its own middle first: the rest says what to do about it.
+    """
     if len(text) > 4 * longest:  # it may be a megabyte
-        text = f'{text[: 2 * longest]} {text[-2 * longest :]}'
-    line = ' '.join(text.split())
-    if len(line) <= longest:
-        return line
+        text = f'{text[: 2 * longest]}{text[-2 * longest :]}'
+    words = (_without_middle(word, _LONGEST_PATH if '/' in word else _LONGEST_WORD, '…') for word in text.split())
+    line = ' '.join(words)
+    return _without_middle(line, longest, ' … ')
+
+
+def _without_middle(text: str, longest: int, gap: str) -> str:
+    if len(text) <= longest:
+        return text
     end = longest // 3
-    return f'{line[: longest - end - 3]} … {line[-end:]}'
+    return f'{text[: longest - end - len(gap)]}{gap}{text[-end:]}'
 
 
 class KapitsaError(Exception):

@@ -15,7 +15,7 @@ from kapitsa_ros.cli import commands
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
-from kapitsa_ros.cli.transliteration import write_out_unknown_signs
+from kapitsa_ros.cli.transliteration import showable, write_out_unknown_signs
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
 from kapitsa_ros.standard_streams import keep_streams_open
 
@@ -93,5 +93,6 @@ def _mend(error: OSError) -> str:
 
 
 def _leave(message: str, status: int) -> None:
-    print(f'kapitsa: error: {shorten(message)}', file=sys.stderr)
+    line = showable(f'kapitsa: error: {message}', sys.stderr.encoding)  # what is written out is longer
+    print(shorten(line), file=sys.stderr)
     sys.exit(status)

@@ -143,6 +143,32 @@ def test_a_header_of_a_thousand_numbers_is_told_in_one_line(kapitsa, tmp_path: P
     assert len(answer.err) < 500
 
 
+@pytest.mark.parametrize('size', [500, 1601, 100_000])
+def test_a_word_that_somebody_gave_hides_nothing_of_a_line(kapitsa, tmp_path: Path, size: int) -> None:
+    ranges = tmp_path / 'ranges.yaml'
+    for values, what, mend in (
+        (
+            f'design: {"x" * size}\nfactors: {{coulomb: [1]}}',
+            'design is ',
+            ': give one of grid, list, latin_hypercube\n',
+        ),
+        (f'experiments: [{"x" * size}]\nfactors: {{coulomb: [1]}}', 'experiments is ', ': give a whole number from 1 '),
+        (f'factors:\n  ? {"x" * size}\n  : [1]', 'no factor ', ': give some of preset, '),
+    ):
+        ranges.write_text(values)
+        line = kapitsa('campaign', '--ranges', ranges).err
+        assert line.startswith(f'kapitsa: error: {ranges}: {what}')
+        assert mend in line
+        assert len(line) <= 401
+
+
+def test_signs_that_are_written_out_make_no_line_longer(kapitsa, tmp_path: Path) -> None:
+    line = kapitsa('campaign', '--ranges', tmp_path / ('λ ' * 50), env={'PYTHONIOENCODING': 'ascii'}).err
+    assert 'lambda lambda' in line
+    assert line.endswith('No such file or directory\n')
+    assert len(line) < 410
+
+
 @pytest.mark.parametrize('size', [1, 399, 400, 401, 10_000, 1_000_000])
 def test_a_line_is_shortened_in_its_middle(size: int) -> None:
     text = 'begin ' + 'x\n' * size + ' end'
