@@ -70,19 +70,29 @@ def leave_out_damaged(index: RunIndex, table: MessageTable, promised: Mapping[st
             f'step {step} of {topic} stands there twice with different content: '
             f'several runs of the number {index.number} were put together; give their bags one by one'
         )
-    if DIGEST_KEY in promised and found.refusal is None:
-        as_promised = run_digest(index, table) == promised[DIGEST_KEY] and _last_group(index) in (
-            None,
-            promised.get(LAST_GROUP_KEY),
-        )
-        if not as_promised and not found.defects and (not index.groups or index.end is not None):
-            found.refusal = 'its messages are not those whose digest its metadata states: files were exchanged'
-        found.ok = as_promised
+    if not promised.keys().isdisjoint((DIGEST_KEY, LAST_GROUP_KEY)) and found.refusal is None:
+        _check_promise(index, table, promised, found)
     return found
 
 
-def _last_group(index: RunIndex) -> str | None:
-    return max(index.groups, key=lambda group: group.last).own if index.groups else None
+def _check_promise(index: RunIndex, table: MessageTable, promised: Mapping[str, str], found: Integrity) -> None:
+    """Check by what the metadata state: every bag that states the digest of its run has digests of its steps."""
+    has_messages = run_digest(index, table) == promised.get(DIGEST_KEY)
+    found.ok = has_messages and _last_group(index) == promised.get(LAST_GROUP_KEY)
+    if found.ok or found.defects:
+        return
+    if has_messages and not index.groups:
+        found.defects.append(
+            f'the digests of the steps of run {index.number} were taken out, though its metadata state them: '
+            'nothing tells whether its settings are those that were recorded'
+        )
+    elif not index.groups or index.end is not None:
+        found.refusal = 'its messages are not those whose digest its metadata states: files were exchanged'
+
+
+def _last_group(index: RunIndex) -> str:
+    """Return the digest of the last message about a group, as the metadata of a bag has it."""
+    return max(index.groups, key=lambda group: group.last).own if index.groups else ''
 
 
 def _check_groups(index: RunIndex, table: MessageTable, found: Integrity) -> None:

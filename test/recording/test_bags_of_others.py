@@ -297,6 +297,31 @@ def test_a_topic_that_was_taken_out_of_a_bag_with_digests_is_named(tmp_path: Pat
 
 
 @pytest.mark.parametrize('storage', STORAGES)
+@pytest.mark.parametrize('left_out', [(), ('digest',), ('last_group',)])
+def test_digests_that_were_taken_out_are_missed(tmp_path: Path, storage: str, left_out: tuple[str, ...]) -> None:
+    """With them went what tells that settings are others, and the bag said that its bytes were those recorded."""
+    run = made_up_run(tmp_path / 'run')
+    others = encode_settings('{"swings": 4}')
+
+    def altered() -> Iterator[Message]:
+        for each in messages(run):
+            if each.topic != '/recorder/digest':
+                yield each._replace(raw=others) if each.topic == '/stopwatch/settings' else each
+
+    told = yaml.safe_load((run / 'metadata.yaml').read_text())['rosbag2_bagfile_information']['custom_data']
+    rest = write(tmp_path / 'rest', altered(), storage)
+    edit(rest, lambda information: information.update(custom_data={key: told[key] for key in told.keys() - left_out}))
+    bag = RunBag(rest)
+    assert bag.integrity.ok is False
+    if left_out == ('digest',):
+        with pytest.raises(BagError, match='not those whose digest its metadata states: files were exchanged'):
+            bag.refuse_changed()
+    else:
+        [defect] = bag.defects
+        assert defect.startswith('the digests of the steps of run 1 were taken out, though its metadata state them')
+
+
+@pytest.mark.parametrize('storage', STORAGES)
 def test_a_rig_in_a_namespace_is_the_rig_that_it_is(tmp_path: Path, storage: str) -> None:
     """`ros2 bag record -a` beside it writes the whole names."""
     run = made_up_run(tmp_path / 'run')
