@@ -20,11 +20,11 @@ def shown_progress(runs: int) -> Iterator[Callable[[dict[str, str]], None]]:
     """Show how far the graph is; yield what takes the reports."""
     console = Console(file=sys.stderr)
     status = Status(f'starting the graph for {counted(runs, "run")}', console=console)
-    printed: set[str] = set()
+    printed: set[int] = set()
 
     def take(values: dict[str, str]) -> None:
-        run, simulated, factor = values['run'], float(values['simulated_s']), float(values['realtime_factor'])
-        if int(run) > runs:
+        run, simulated, factor = int(values['run']), float(values['simulated_s']), float(values['realtime_factor'])
+        if not 0 < run <= runs:
             return
         text = f'run {run} of {runs}: {simulated:.0f} s simulated, {factor:.0f} times real time'
         status.update(text)

@@ -38,7 +38,7 @@ class StepId:
 
         """
         match text.split(' '):
-            case ['run', run, 'step', step, *rest] if rest in ([], ['end']) and _is_count(run) and _is_count(step):
+            case ['run', run, 'step', step, *rest] if rest in ([], ['end']) and is_count(run) and is_count(step):
                 return cls(int(run), int(step), end=bool(rest))
             case _:
                 raise ValueError(f'{text!r} is not of the form "run 1 step 0"')
@@ -50,9 +50,9 @@ class StepId:
         return self.run == last.run and self.step == last.step + 1
 
 
-def _is_count(text: str) -> bool:
+def is_count(text: str) -> bool:
     """Whether a text is a number that a run or a step can have."""
-    return text.isdecimal() and len(text) <= _DIGITS
+    return len(text) <= _DIGITS and text.isascii() and text.isdecimal()
 
 
 def ends_session(step_id: StepId) -> bool:

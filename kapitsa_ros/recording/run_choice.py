@@ -19,13 +19,15 @@ if TYPE_CHECKING:
 RUN_TOPICS = (COMMAND, *READINGS)
 """Those that make a run."""
 _MOST_NAMED = 3
+_DIGITS = 10
+"""Of a format that are read; what has more is of the future in any case."""
 REQUIRED_ROLES = [role for role in RIG_ROLES if not role.optional]
 
 
 def format_of(recording: Recording) -> int:
     """Return the format that a bag states, 0 where it states none."""
     text = recording.promise.custom.get(FORMAT_KEY, '0')
-    return int(text) if text.isdecimal() else 0
+    return int(text[:_DIGITS]) if text.isdecimal() else 0
 
 
 def begun_runs(recording: Recording) -> list[int]:

@@ -7,14 +7,23 @@ from typing import TYPE_CHECKING, Any
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from std_msgs.msg import Header
 
-from kapitsa_ros.network.step_id import ends_session
+from kapitsa_ros.network.step_id import ends_session, is_count
 from kapitsa_ros.ros.clock_publisher import to_time
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from rclpy.node import Node
 
     from kapitsa_ros.network.step_id import StepId
     from kapitsa_ros.ros.real_time_pacer import RealTimePacer
+
+_LARGEST = 1e10
+"""Of a number in a report of progress; a larger one is nobody's who keeps time."""
+_COUNTS = ('run', 'step', 'deadline_misses')
+_NUMBERS = ('simulated_s', 'realtime_factor', 'step_rate_hz')
+_ANSWERS = ('session_over', 'paused')
+_NEEDED = frozenset(('run', 'simulated_s', 'realtime_factor', 'session_over'))
 
 
 def reporter_name(node: Node) -> str:
@@ -47,6 +56,22 @@ def progress_message(
     }
     level, text = (DiagnosticStatus.WARN, f'{step_id}, late') if is_late else (DiagnosticStatus.OK, str(step_id))
     return _array(f'{node}: progress', stamp_ns, level, text, values)
+
+
+def is_progress(values: Mapping[str, str]) -> bool:
+    """Whether these are values that `progress_message` could have: anybody may speak on `/diagnostics`."""
+    return values.keys() >= _NEEDED and all(_could_be(name, text) for name, text in values.items())
+
+
+def _could_be(name: str, text: str) -> bool:
+    if name in _COUNTS:
+        return is_count(text)
+    if name in _ANSWERS:
+        return text in {'True', 'False'}
+    try:
+        return name in _NUMBERS and str(float(text)) == text and 0.0 <= float(text) <= _LARGEST
+    except ValueError:
+        return False
 
 
 def health_message(node: str, stamp_ns: int, refused: int, held_up: int) -> DiagnosticArray:

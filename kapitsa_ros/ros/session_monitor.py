@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -13,13 +12,14 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import RESULT, SESSION_MONITOR
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import ends_session
+from kapitsa_ros.ros.diagnostics import is_progress
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.real_time_pacer import RealTimePacer
 from kapitsa_ros.ros.time_control_client import TimeControlClient
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable
 
     from kapitsa_ros.network.step_id import StepId
 
@@ -114,7 +114,7 @@ class SessionMonitor(ListenerNode):
     def _take_progress(self, message: DiagnosticArray) -> None:
         for status in message.status:
             values = {pair.key: pair.value for pair in status.values}
-            if status.name in PROGRESS and _is_progress(values):
+            if status.name in PROGRESS and is_progress(values):
                 with self._news:
                     self._over = self._over or values['session_over'] == 'True'
                     self.progress = values
@@ -136,13 +136,3 @@ class SessionMonitor(ListenerNode):
                     self.runs.append(dict(values))
             self._ended = self._ended or ends_session(step_id)
             self._news.notify_all()
-
-
-def _is_progress(values: Mapping[str, str]) -> bool:
-    """Whether a report has the values of one; anybody may speak on `diagnostics`."""
-    try:
-        int(values['run'])
-        numbers = [float(values[name]) for name in ('simulated_s', 'realtime_factor')]
-    except (KeyError, ValueError):
-        return False
-    return all(map(math.isfinite, numbers)) and values.get('session_over') in {'True', 'False'}

@@ -5,6 +5,10 @@ import pty
 import subprocess
 import sys
 
+import pytest
+
+from kapitsa_ros.cli.progress import shown_progress
+
 SIMULATE = ('simulate', '--speed', '2500', '--release', '0.12', '--duration', '2')
 NAMED = 'kapitsa: compiling tripled, once after an installation'
 COMPILE = """
@@ -52,6 +56,16 @@ def test_what_is_compiled_is_said_once_and_only_on_a_terminal() -> None:
     assert said.count('compiling') == said.count('kapitsa: compiled in') == 1  # of the outer kernel alone
     done = subprocess.run([sys.executable, '-c', COMPILE], capture_output=True, text=True, check=True)
     assert done.stderr == ''
+
+
+def test_a_run_has_one_line_where_there_is_no_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+    with shown_progress(2) as take:
+        for run in ('1', '01', '2', '0', '3', '2'):
+            take({'run': run, 'simulated_s': '0.5', 'realtime_factor': '2.0'})
+    lines = capsys.readouterr().err.split('\n')
+    assert [line for line in lines if line] == [
+        'run 1 of 2: 0 s simulated, 2 times real time', 'run 2 of 2: 0 s simulated, 2 times real time'
+    ]  # fmt: skip
 
 
 def test_a_command_shows_on_a_terminal_what_it_is_at() -> None:

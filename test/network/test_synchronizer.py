@@ -71,7 +71,10 @@ def test_numbers_come_back_from_their_text(number: int, step: int, end: bool) ->
     assert StepId.parse(str(StepId(number, step, end=end))) == StepId(number, step, end=end)
 
 
-@pytest.mark.parametrize('text', ['', 'run 1', 'run -1 step 0', 'run 1 step 2 start', 'run 1 step x', 'run 1  step 0'])
+@pytest.mark.parametrize(
+    'text',
+    ['', 'run 1', 'run -1 step 0', 'run 1 step 2 start', 'run 1 step x', 'run 1  step 0', 'run \u0661 step 0'],
+)
 def test_other_texts_are_no_numbers(text: str) -> None:
     with pytest.raises(ValueError, match='is not of the form'):
         StepId.parse(text)

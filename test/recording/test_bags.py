@@ -168,6 +168,9 @@ def test_a_bag_states_its_format_and_one_of_the_future_is_refused(tmp_path: Path
     metadata.write_text(text.replace("format: '2'", "format: '3'"))
     with pytest.raises(BagError, match='has format 3, this version reads up to 2: install a newer'):
         RunBag(path)
+    metadata.write_text(text.replace("format: '2'", f"format: '{'9' * 5000}'"))
+    with pytest.raises(BagError, match='has format 9999999999, this version reads up to 2: install a newer'):
+        RunBag(path)
 
 
 def test_a_bag_is_opened_by_a_text_too_and_says_what_it_is(tmp_path: Path) -> None:

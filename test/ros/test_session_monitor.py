@@ -74,7 +74,17 @@ def test_an_error_of_the_body_is_not_replaced_by_that_of_a_callback(domain: int)
 
 def test_what_is_no_report_of_progress_is_passed_over(domain: int) -> None:
     """Anybody may speak on `diagnostics`; three such messages ended the watcher with a traceback."""
-    nonsense = [{}, {'run': 'x'}, REPORT | {'realtime_factor': 'nan'}, REPORT | {'session_over': 'x' * 10**6}]
+    runs = ['x', '-' + '9' * 300, '9' * 300, '\n\n1\n\n', '\u0661', '+1', '1_0']
+    numbers = ['nan', 'inf', '1e308', '-0.5', '1_0.0', ' 2.0', '\u0662.0']
+    nonsense = [
+        {},
+        {'run': '1'},
+        *(REPORT | {'run': run} for run in runs),
+        *(REPORT | {name: number} for name in ('simulated_s', 'realtime_factor') for number in numbers),
+        REPORT | {'session_over': 'x' * 10**6},
+        REPORT | {'step': 'x' * 10**6},
+        REPORT | {'x' * 10**6: '1'},
+    ]
     told, seen = [], Event()
 
     def take(values: dict[str, str]) -> None:

@@ -41,7 +41,7 @@ class StopwatchCodec(Codec[StopwatchReading | None]):
             case ['']:
                 return None
             case ['timed' | 'fell' | 'stopped' as kind, swings, 'swings'] if (
-                swings.isdecimal() and len(swings) <= _DIGITS
+                swings.isascii() and swings.isdecimal() and len(swings) <= _DIGITS
             ):
                 pressed = seconds_at(message.header.stamp, read_step_id(raw))
                 displayed = message.time_ref.sec + message.time_ref.nanosec / SECOND
