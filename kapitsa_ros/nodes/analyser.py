@@ -34,6 +34,7 @@ class AnalyserNode(StepNode):
         """Take in one step."""
         if step.id.step == 0:
             self._builder = RunBuilder(step.id.run, self._settings.parsed())
+            self._settings.begin_run()
         self._builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
         self.emit_silence(RESULT, step.id, step.stamp_ns)
 

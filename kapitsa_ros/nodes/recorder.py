@@ -70,6 +70,7 @@ class RecorderNode(StepNode):
                     self._steps_a_chunk,
                     compression=self._compression,
                 )
+                self._settings.begin_run()
             self._writer.write_step(step.stamp_ns, step.raw)
         except BagError as error:
             self._give_up()

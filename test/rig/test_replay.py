@@ -21,6 +21,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from kapitsa_ros.cli.replay_keys import replay_keys
@@ -33,11 +34,11 @@ from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
-from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.session import replay_bags
 from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
-from kapitsa_ros.ros.qos import VIEW
+from kapitsa_ros.ros.qos import LATCHED, VIEW
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
@@ -69,6 +70,15 @@ class Audience:
         assert client.wait_for_service(PATIENCE)
         request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
         return self._answer(client.call_async(request)).results[0].reason
+
+    @contextmanager
+    def another(self, name: str) -> Iterator[Node]:
+        """Yield a node of another name in the same process."""
+        node = Node(name, context=self._node.context)
+        self._executor.add_node(node)
+        yield node
+        self._executor.remove_node(node)
+        node.destroy_node()
 
     def watch(self, seen_enough: Callable[[], bool]) -> None:
         deadline = self._node.get_clock().now().nanoseconds + PATIENCE * SECOND
@@ -210,6 +220,23 @@ def test_the_command_line_plays_a_part_in_a_loop_until_it_is_interrupted(
     assert min(audience.seconds) > 1.0
     assert max(audience.seconds) <= 2.1 + 1e-6
     assert told['played_s'] == [1.0, 2.0]
+
+
+def test_settings_of_another_player_end_a_replay() -> None:
+    """They were believed: another seed and jitter of the stopwatch gave another critical speed without a word."""
+    how = Replay(start_paused=True)
+    with audience_of(how, SHIPPED[:2]) as (audience, _, nodes), audience.another('player') as player:
+        heard: list[str] = []
+        player.create_subscription(String, 'stopwatch/settings', lambda said: heard.append(said.data), LATCHED)
+        audience.call('step')
+        audience.watch(lambda: heard)
+        settings = player.create_publisher(String, 'stopwatch/settings', LATCHED)
+        audience.watch(lambda: settings.get_subscription_count() == 2)
+        settings.publish(String(data=heard[0].replace('"seed": 1997', '"seed": 1998')))
+        assert settings.wait_for_all_acked()
+        audience.call('resume')
+        with pytest.raises(RigError, match=r'^analyser died .*: stopwatch/settings has a second writer, player: which'):
+            audience.watch(lambda: nodes.wait(0.0))
 
 
 def test_a_replay_of_which_no_progress_was_heard_has_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:

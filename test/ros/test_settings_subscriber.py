@@ -59,10 +59,38 @@ def test_settings_that_contradict_end_the_run_and_name_the_stranger() -> None:
     assert settings.texts['jigsaw'] == '{"amplitude": 0.01}'
 
 
+OF_A_REPLAY = frozenset({'player', 'analyser'})
+
+
 def test_a_player_goes_from_bag_to_bag() -> None:
-    settings, say, refused, failed = heard(frozenset({'player', 'analyser'}), ['player'])
-    say('{"amplitude": 0.01}')
-    say('{"amplitude": 0.02}')
-    assert settings.texts['jigsaw'] == '{"amplitude": 0.02}'
+    settings, say, refused, failed = heard(OF_A_REPLAY, ['player'])
+    for amplitude in ('0.01', '0.02', '0.02', '0.03'):
+        say(f'{{"amplitude": {amplitude}}}')
+        settings.begin_run()
+    assert settings.texts['jigsaw'] == '{"amplitude": 0.03}'
     assert not refused
     assert not failed
+
+
+@pytest.mark.parametrize('of_next_bag', ['{"amplitude": 0.01}', '{"amplitude": 0.02}'])
+@pytest.mark.parametrize(
+    ('writers', 'named'), [(['player', 'player'], 'player'), (['player'], 'a node that has left'), ([], 'a node')]
+)
+def test_settings_said_twice_for_a_bag_end_the_replay(of_next_bag: str, writers: list[str], named: str) -> None:
+    """Who is called player was believed, and so was who had left."""
+    settings, say, refused, failed = heard(OF_A_REPLAY, writers)
+    say('{"amplitude": 0.01}')
+    settings.begin_run()
+    say(of_next_bag)
+    assert not failed
+    say('{"amplitude": 0.09}')
+    assert str(failed[0]).startswith(f'jigsaw/settings has a second writer, {named}')
+    assert len(refused) == 1
+    assert settings.texts['jigsaw'] == of_next_bag
+
+
+def test_settings_said_twice_before_the_first_run_end_the_replay() -> None:
+    _, say, _, failed = heard(OF_A_REPLAY, ['player'])
+    say('{"amplitude": 0.09}')
+    say('{"amplitude": 0.01}')
+    assert len(failed) == 1
