@@ -1,11 +1,11 @@
-"""Compiled kernels are kept where the user can write, are up to date, and do without where nothing can be written."""
+"""Compiled kernels are kept where the user can write, up to date and whole; nothing fails where none can be kept."""
 
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -35,9 +35,9 @@ def install() -> Iterator[Path]:
             path.chmod(0o755 if path.is_dir() else 0o644)
 
 
-def call_kernel(install: Path, **environment: str) -> subprocess.CompletedProcess[str]:
-    """Call a kernel as a user without a home."""
-    command = [sys.executable, '-c', CALL]
+def call_kernel(install: Path, setting: str = ':', **environment: str) -> subprocess.CompletedProcess[str]:
+    """Call a kernel as a user without a home; a shell may set something before."""
+    command = ['/bin/sh', '-c', f'{setting} && exec "$@"', '-', sys.executable, '-c', CALL]
     if os.getuid() == 0:
         if shutil.which('setpriv') is None:
             pytest.skip('root can write everywhere, and there is no setpriv')
@@ -67,3 +67,38 @@ def test_the_folder_that_the_user_names_keeps_what_is_compiled_until_any_kernel_
     assert [run.stderr for run in runs] == [''] * 3
     assert [int(run.stdout.split()[0]) for run in runs] == [0, 1, 0]
     assert len({run.stdout.split()[1] for run in runs}) == 1
+
+
+DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    'emptied': lambda _: b'',
+    'cut off': lambda kept: kept[: len(kept) // 2],
+    'zeroed': lambda kept: bytes(len(kept)),
+    'zeroed in the middle': lambda kept: kept[: len(kept) // 3] + bytes(len(kept) // 3) + kept[2 * (len(kept) // 3) :],
+}
+"""What a power cut makes of a file; in the middle of machine code nothing complains, but the processor."""
+
+
+@pytest.mark.parametrize('suffix', ['nbi', 'nbc'])
+@pytest.mark.parametrize('damage', DAMAGES)
+def test_what_cannot_be_loaded_is_compiled_again_and_kept(install: Path, damage: str, suffix: str) -> None:
+    with tempfile.TemporaryDirectory() as cache:
+        Path(cache).chmod(0o777)
+        runs = [call_kernel(install, NUMBA_CACHE_DIR=cache)]
+        damaged = list(Path(cache).rglob(f'*.{suffix}'))
+        assert damaged
+        for file in damaged:
+            file.write_bytes(DAMAGES[damage](file.read_bytes()))
+        runs += [call_kernel(install, NUMBA_CACHE_DIR=cache) for _ in range(2)]
+    assert [run.stderr for run in runs] == [''] * 3
+    assert [int(run.stdout.split()[0]) for run in runs] == [0, 0, 1]
+    assert len({run.stdout.split()[1] for run in runs}) == 1
+
+
+def test_what_the_disk_does_not_take_is_said_once_and_computed(install: Path) -> None:
+    with tempfile.TemporaryDirectory() as cache:
+        Path(cache).chmod(0o777)
+        done = call_kernel(install, 'ulimit -f 4', NUMBA_CACHE_DIR=cache)
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stderr.splitlines()
+    assert line.startswith('kapitsa: warning: ')
+    assert 'NUMBA_CACHE_DIR' in line
