@@ -12,6 +12,7 @@ def main() -> None:
     """Run the command line; until it is loaded, Ctrl-C ends the process at once: there is nothing to stop."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # whoever started this may have it ignored: no child's end is told
     try:
         refuse_small_address_space(OF_A_COMMAND)
     except AddressSpaceError as error:

@@ -63,12 +63,16 @@ def serve_forked(requests: socket.socket) -> NoReturn:
         os.dup2(null, stream)
     os.closerange(3, number)
     os.closerange(number + 1, os.sysconf('SC_OPEN_MAX'))
-    setproctitle.setproctitle(' '.join([sys.executable, '-m', MODULE, str(number)]))
+    _show(number)
     preload()
     preload_kernels()
     with socket.socket(fileno=number) as asking:
         serve(asking)
     _leave(0)
+
+
+def _show(number: int | str) -> None:
+    setproctitle.setproctitle(' '.join([sys.executable, '-m', MODULE, str(number)]))
 
 
 def serve(requests: socket.socket) -> None:
@@ -77,6 +81,7 @@ def serve(requests: socket.socket) -> None:
     First of all it is told that all is loaded. Nodes that still run at the end find that their parent is gone, and
     leave. One whose end nobody wants to hear of any more is asked to leave.
     """
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # where it is ignored, nobody is told of an exit status
     with suppress(BrokenPipeError):  # who asks may have left meanwhile: that is seen below
         requests.send(LOADED)
     nodes: dict[int, tuple[int, int]] = {}
@@ -250,6 +255,7 @@ def _frozen() -> Iterator[None]:
 if __name__ == '__main__':
     leave_on_signals()
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
+    _show(sys.argv[1])
     with socket.socket(fileno=int(sys.argv[1])) as asking:
         preload()
         serve(asking)

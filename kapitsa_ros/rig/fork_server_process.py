@@ -12,11 +12,11 @@ import multiprocessing
 import select
 import socket
 import subprocess
-import sys
 import threading
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, Protocol
 
+from kapitsa_ros.new_interpreter import run_by_new_interpreter
 from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.file_in_memory import file_in_memory
@@ -62,7 +62,7 @@ class _Forked:
 
 def _spawned(requests: socket.socket) -> _Process:
     return subprocess.Popen(  # noqa: S603
-        [sys.executable, '-m', MODULE, str(requests.fileno())],
+        run_by_new_interpreter(MODULE, str(requests.fileno())),
         stdin=subprocess.DEVNULL,
         stdout=subprocess.DEVNULL,
         start_new_session=True,

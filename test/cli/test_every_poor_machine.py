@@ -57,6 +57,7 @@ MACHINES = {
     '64 open files': Machine('ulimit -n 64 && exec "$@"', works=None),
     'address space of 150 MB': Machine('ulimit -v 150000 && exec "$@"', works=False),
     'address space of 1.2 GB': Machine('ulimit -v 1200000 && exec "$@"', works=None),
+    'SIGCHLD ignored': Machine('trap "" CHLD && exec "$@"'),
     'umask 077': Machine('umask 077 && exec "$@"'),
     'umask 777': Machine('umask 777 && exec "$@"', works=None),
     'locale C': Machine(environment={'LC_ALL': 'C', 'PYTHONUTF8': '0', 'PYTHONCOERCECLOCALE': '0'}),

@@ -113,6 +113,34 @@ def test_tables_are_printed_where_the_width_is_unknown(kapitsa) -> None:
     assert max(map(len, answer.out.splitlines())) > 40
 
 
+def test_a_file_in_the_current_folder_is_no_module_of_a_node(tmp_path: Path) -> None:
+    for name in ('json', 'yaml', 'rclpy'):
+        (tmp_path / f'{name}.py').write_text('raise ImportError("of the user")', encoding='utf-8')
+    command = [sys.executable, '-P', '-m', 'kapitsa_ros', 'node', 'strobe', '--help']
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stderr) == (0, '')
+    assert done.stdout.startswith('usage: strobe')
+
+
+def test_who_ignores_the_ends_of_its_children_can_start_an_experiment(tmp_path: Path) -> None:
+    (tmp_path / 'short.yaml').write_text('speeds: [2640 rpm]\nswings: 1\n', encoding='utf-8')
+    command = [
+        sys.executable,
+        '-m',
+        'kapitsa_ros',
+        'experiment',
+        '--protocol',
+        'short.yaml',
+        '--bags',
+        'bags',
+        '--json',
+    ]
+    shell = ['/bin/sh', '-c', 'trap "" CHLD && exec "$@"', '-', *command]
+    done = subprocess.run(shell, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)['runs']
+
+
 def test_a_folder_that_nodes_cannot_be_told_is_refused_before_it_is_made(kapitsa, tmp_path: Path) -> None:
     answer = kapitsa('experiment', '--bags', os.fsdecode(os.fsencode(tmp_path) + b'/caf\xe9'))
     assert answer.status == 2

@@ -19,6 +19,7 @@ from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.file_in_memory import file_in_memory
 from kapitsa_ros.rig.fork_server_process import ForkServerProcess, fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
+from kapitsa_ros.rig.node_process import NodeProcess
 
 PATIENCE = 180.0
 pytestmark = pytest.mark.xdist_group('harness')
@@ -149,6 +150,38 @@ def test_a_node_that_nobody_reads_ends_where_it_cannot_say_why(
         os.close(stderr)
         eventually(lambda: node.status() is not None)
         node.close()
+
+
+def test_files_in_the_current_folder_are_no_modules_of_a_server(
+    domain: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ('json', 'socket', 'yaml', 'rclpy'):
+        Path(f'{name}.py').write_text('raise ImportError("of the user")', encoding='utf-8')
+    with closing(ForkServerProcess()) as server, closing(NodeProcess(server, ['strobe'], {}, domain)) as node:
+        assert node.wait_for_line('joins domain', PATIENCE)
+        node.end(signal.SIGKILL)
+
+
+def test_the_end_of_a_node_is_told_where_a_program_ignores_those_of_its_children() -> None:
+    """As one that was started by a program which does."""
+    program = f"""if True:
+        import select, signal
+        signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+        from kapitsa_ros.rig.domain import reserved_domain
+        from kapitsa_ros.rig.fork_server_process import fork_server
+        from kapitsa_ros.rig.node_group import NodeGroup
+        with fork_server() as server:
+            with reserved_domain() as domain, NodeGroup(['strobe'], {{}}, domain) as nodes:
+                assert nodes['strobe'].wait_for_line('joins domain', {PATIENCE})
+                nodes['strobe'].end(signal.SIGKILL)
+                select.select([nodes['strobe'].sentinel], [], [], {PATIENCE})
+                print(nodes['strobe'].status(), server.has_ended())
+    """
+    done = subprocess.run(
+        [sys.executable, '-c', program], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
+    assert (done.stdout, done.stderr) == (f'{-signal.SIGKILL} False\n', '')
 
 
 def test_a_server_that_is_gone_is_named(own_server: ForkServerProcess, domain: int) -> None:

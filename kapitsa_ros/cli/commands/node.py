@@ -8,6 +8,7 @@ import sys
 import click
 
 from kapitsa_ros.network.registry import NODE_NAMES
+from kapitsa_ros.new_interpreter import run_by_new_interpreter
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.arguments import COMPOSED, FOXGLOVE_SERVER
 
@@ -25,4 +26,4 @@ def node(*, name: str, arguments: tuple[str, ...]) -> None:
     """
     with on_loopback():
         # In place of this process, so that signals and the exit status are the node's own.
-        os.execv(sys.executable, [sys.executable, '-m', 'kapitsa_ros.nodes', name, *arguments])  # noqa: S606
+        os.execv(sys.executable, run_by_new_interpreter('kapitsa_ros.nodes', name, *arguments))  # noqa: S606
