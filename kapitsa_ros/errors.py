@@ -84,6 +84,10 @@ class OutputError(KapitsaError):
     """A file cannot be written to the given path."""
 
 
+class UnreadableSettingsError(KapitsaError):
+    """A file of the user's settings for a package cannot be read."""
+
+
 class MissingPackageError(KapitsaError):
     """A package is missing that comes with an extra; the message says how to install it."""
 

@@ -12,6 +12,7 @@ import click
 
 from kapitsa_ros import __version__
 from kapitsa_ros.cli import commands
+from kapitsa_ros.cli.library_variables import check_library_variables
 from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
@@ -56,6 +57,7 @@ def main() -> None:
     write_out_unknown_signs()
     forget_useless_width()
     try:
+        check_library_variables()
         kapitsa.main(prog_name='kapitsa', standalone_mode=False, obj=OWN_PROCESS)
     except click.UsageError as error:
         where = error.ctx.command_path if error.ctx is not None else 'kapitsa'

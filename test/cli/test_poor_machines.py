@@ -160,6 +160,41 @@ def test_figures_do_not_depend_on_the_users_style(tmp_path: Path) -> None:
     assert corner.min() == 1.0
 
 
+def test_figures_need_no_backend(kapitsa, tmp_path: Path) -> None:
+    """Jupyter sets one for what is started from it."""
+    backend = 'module://no_such_package.backend'
+    answer = kapitsa('figures', '--output', tmp_path, '--format', 'svg', '--json', env={'MPLBACKEND': backend})
+    assert len(answer.json['figures']) == 5
+
+
+@pytest.mark.parametrize(
+    ('variable', 'given'),
+    [
+        ('SOURCE_DATE_EPOCH', 'today'),
+        ('NUMBA_NUM_THREADS', '0'),
+        ('NUMBA_NUM_THREADS', 'x'),
+        ('NUMBA_CPU_FEATURES', 'x'),
+    ],
+)
+def test_a_variable_that_no_library_can_use_is_named(kapitsa, tmp_path: Path, variable: str, given: str) -> None:
+    answer = kapitsa('figures', '--output', tmp_path, env={variable: given})
+    assert (answer.status, answer.out) == (2, '')
+    assert answer.err.startswith(f'kapitsa: error: {variable}={given}: must be ')
+    assert answer.err.count('\n') == 1
+
+
+@pytest.mark.parametrize('name', ['figures', 'report'])
+def test_settings_of_matplotlib_that_cannot_be_read_are_named(name: str, tmp_path: Path) -> None:
+    (tmp_path / 'matplotlibrc').write_bytes(b'font.family: caf\xe9\n')
+    arguments = {'figures': [], 'report': [str(CHECKOUT / 'bags' / 'run_01_2240rpm')]}[name]
+    command = [sys.executable, '-m', 'kapitsa_ros', name, *arguments, '--output', str(tmp_path / 'drawn.html')]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    assert (done.returncode, done.stdout) == (2, '')
+    [line] = [line for line in done.stderr.splitlines() if line.startswith('kapitsa: error: ')]
+    assert 'matplotlibrc' in line
+    assert 'Traceback' not in done.stderr
+
+
 def test_a_header_of_a_thousand_numbers_is_told_in_one_line(kapitsa, tmp_path: Path) -> None:
     table = tmp_path / 'wide.csv'
     table.write_text(','.join(f'{200 + n / 10:.18e}' for n in range(3000)))
