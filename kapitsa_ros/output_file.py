@@ -29,6 +29,8 @@ def check_output(path: Path, option: str = 'output', *, overwrite: bool = False)
         raise OutputError(
             f'{OPTION}: is there already; give another name, or --overwrite to replace it', option=option, value=path
         )
+    if path.is_dir():
+        raise OutputError(f'{OPTION}: is a folder; give the name of a file', option=option, value=path)
     folder = path.resolve().parent
     if not folder.is_dir():
         raise OutputError(f'{OPTION}: there is no directory {path.parent}: make it first', option=option, value=path)
@@ -42,7 +44,7 @@ def replacing(path: Path) -> Iterator[Path]:
     """Yield a path to write to; what is written there takes the place of a file when the context is left.
 
     An error in the context leaves the file, if there is one, as it was. Where the path leads to something else than a
-    file, as /dev/stdout does, that is yielded.
+    file, as /dev/stdout does, it gets from beginning to end what was written.
 
     Raises
     ------
@@ -51,7 +53,10 @@ def replacing(path: Path) -> Iterator[Path]:
 
     """
     if path.exists() and not path.is_file():  # before its links are followed: a pipe has no path in the end
-        yield path
+        with open(os.memfd_create('draft'), 'rb') as memory:  # noqa: PTH123
+            yield Path(f'/proc/self/fd/{memory.fileno()}')
+            with path.open('wb') as file:  # once: whoever reads a pipe leaves where it is closed
+                shutil.copyfileobj(memory, file)
         return
     path = path.resolve()
     if path.exists() and not os.access(path, os.W_OK):

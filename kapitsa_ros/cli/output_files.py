@@ -55,16 +55,19 @@ def write_table(path: Path, columns: Columns) -> None:
 
 def _write_csv(path: Path, columns: Columns) -> None:
     rows = np.column_stack(list(columns.values()))
-    np.savetxt(path, rows, fmt='%.17g', delimiter=',', header=','.join(columns), comments='')
+    with path.open('w', encoding='utf-8') as file:
+        np.savetxt(file, rows, fmt='%.17g', delimiter=',', header=','.join(columns), comments='')
 
 
 def _write_npz(path: Path, columns: Columns) -> None:
-    np.savez(path, **columns)  # type: ignore[arg-type]  # the stub takes the columns for allow_pickle
+    with path.open('wb') as file:  # of a name it would make another
+        np.savez(file, **columns)  # type: ignore[arg-type]  # the stub takes the columns for allow_pickle
 
 
 def _write_parquet(path: Path, columns: Columns) -> None:
     table = import_of_extra('pyarrow', 'Parquet', 'report').table(dict(columns))
-    import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, path)
+    with path.open('wb') as file:  # a name has to be UTF-8 there, and may be taken for an address
+        import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, file)
 
 
 _WRITERS = {'.csv': _write_csv, '.npz': _write_npz, '.parquet': _write_parquet}

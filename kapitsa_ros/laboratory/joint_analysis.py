@@ -14,6 +14,7 @@ from kapitsa_ros.analysis.recorded_run import RecordedRun
 from kapitsa_ros.analysis.results import experiment_values, motion_values
 from kapitsa_ros.analysis.slow_frequency import DEFAULT_ESTIMATOR
 from kapitsa_ros.analysis.uneven_series import even_series
+from kapitsa_ros.file_name_text import shown_name
 from kapitsa_ros.network.run import Run
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.recording.joint_samples import read_joint
@@ -92,7 +93,7 @@ def analyse_joints(
             timings=(),
             complete=True,
         )
-        recorded.append(RecordedRun(name=name_of(path), run=run, time=series.time, angle=series.value))
+        recorded.append(RecordedRun(name=shown_name(name_of(path)), run=run, time=series.time, angle=series.value))
         runs.append(
             {
                 'bag': str(path),

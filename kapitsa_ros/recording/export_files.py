@@ -89,7 +89,8 @@ def _write_csv(path: Path, found: tuple[Table, ...], about: Mapping[str, str]) -
 
 def _write_parquet(path: Path, found: tuple[Table, ...], about: Mapping[str, str]) -> int:
     table = import_of_extra('pyarrow', 'Parquet', 'report').table(joined(found)).replace_schema_metadata(dict(about))
-    import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, path)
+    with path.open('wb') as file:  # a name has to be UTF-8 there, and may be taken for an address
+        import_of_extra('pyarrow.parquet', 'Parquet', 'report').write_table(table, file)
     return int(table.num_rows)
 
 

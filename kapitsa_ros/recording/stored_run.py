@@ -8,6 +8,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.file_name_text import shown_name
 from kapitsa_ros.network.cdr import read_step_id, stamp_of
 from kapitsa_ros.network.registry import COMMAND, MOTION, PIVOT, RECORDED, REPLAYED, described_by
 from kapitsa_ros.network.settings import encode_settings, settings_topic
@@ -79,7 +80,7 @@ class StoredRun:
     @property
     def name(self) -> str:
         """Of the run, as tables show it."""
-        folder = name_of(self.path)
+        folder = shown_name(name_of(self.path))
         return f'{folder} run {self.number}' if self.several else folder
 
     @cached_property

@@ -2,14 +2,17 @@
 
 import os
 import resource
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import kapitsa_ros
 import kapitsa_ros.reporting.report
 from kapitsa_ros.cli.commands.analyse import analyse
 from kapitsa_ros.cli.commands.bag import bag
@@ -153,3 +156,30 @@ def test_a_pipe_without_a_name_is_written(tmp_path: Path) -> None:
     assert len(os.read(reader, 4096).splitlines()) == 4
     os.close(writer)
     os.close(reader)
+
+
+def test_a_folder_is_refused_before_the_work(tmp_path: Path) -> None:
+    with pytest.raises(OutputError, match='is a folder'):
+        kapitsa_ros.report([SHIPPED], tmp_path)
+
+
+@pytest.mark.parametrize('suffix', ['csv', 'npz', 'parquet'])
+def test_who_reads_a_pipe_gets_the_whole_table(tmp_path: Path, kapitsa: Callable[..., Any], suffix: str) -> None:
+    """And has left when it is closed once: a second beginning would wait for the next reader."""
+    arguments = ['simulate', '--speed', '2500', '--release', '0.12', '--duration', '1', '--output']
+    file, pipe = tmp_path / f'motion.{suffix}', tmp_path / f'pipe.{suffix}'
+    os.mkfifo(pipe)
+    with subprocess.Popen(['/bin/cat', pipe], stdout=subprocess.PIPE) as reader:
+        answers = [kapitsa(*arguments, file), kapitsa(*arguments, pipe)]
+        read, _ = reader.communicate()
+    assert [answer.status for answer in answers] == [0, 0]
+    assert read == file.read_bytes()
+
+
+@pytest.mark.parametrize('suffix', ['csv', 'npz', 'parquet'])
+@pytest.mark.parametrize('name', [b'caf\xe9', b'file:z'])
+def test_any_name_is_one_of_a_file(tmp_path: Path, name: bytes, suffix: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    file = Path(os.fsdecode(name + f'.{suffix}'.encode()))
+    write_table(file, {'time_s': np.zeros(3)})
+    assert list(Path().iterdir()) == [file]

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -158,6 +159,45 @@ def test_figures_do_not_depend_on_the_users_style(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == 5
     corner = matplotlib.image.imread(tmp_path / 'figure_2.png')[5, 5, :3]
     assert corner.min() == 1.0
+
+
+C = {'LC_ALL': 'C', 'PYTHONUTF8': '0', 'PYTHONCOERCECLOCALE': '0'}
+
+
+def bag_named(folder: Path, name: bytes) -> Path:
+    return shutil.copytree(CHECKOUT / 'bags' / 'run_01_2240rpm', folder / os.fsdecode(name))
+
+
+@pytest.mark.parametrize(
+    ('name', 'shown', 'environment'),
+    [
+        (b'caf\xe9', 'caf\\xe9', {}),
+        ('café'.encode(), 'café', C),
+        (b'a$\\frac$b', 'a$\\frac$b', {}),
+        (b'two\nlines', 'two\\nlines', {}),
+    ],
+)
+def test_a_report_names_bags_whatever_they_are_called(
+    kapitsa, tmp_path: Path, name: bytes, shown: str, environment: dict[str, str]
+) -> None:
+    bag, page = bag_named(tmp_path, name), tmp_path / 'report.html'
+    answer = kapitsa('report', bag, '--output', page, env=environment)
+    assert answer.status == 0, answer.err
+    assert f'Figure 4: time history of θ, {shown}' in page.read_text(encoding='utf-8')
+
+
+@pytest.mark.parametrize('kind', ['csv', 'parquet', 'netcdf'])
+@pytest.mark.parametrize(('name', 'environment'), [(b'caf\xe9', {}), ('café'.encode(), C), (b'two\nlines', {})])
+def test_runs_are_exported_whatever_they_are_called(
+    kapitsa, tmp_path: Path, name: bytes, environment: dict[str, str], kind: str
+) -> None:
+    bag, file = bag_named(tmp_path, name), tmp_path / f'run.{kind}'
+    answer = kapitsa('bag', 'export', bag, '--format', kind, '--output', file, env=environment)
+    assert answer.status == 0, answer.err
+    if kind == 'csv':
+        first, second, *_ = file.read_text(encoding='utf-8').splitlines()
+        assert first == f'# bag: {name.decode("utf-8", "backslashreplace")}'.replace('\n', '\\n')
+        assert second.startswith('# run: ')
 
 
 def test_figures_need_no_backend(kapitsa, tmp_path: Path) -> None:

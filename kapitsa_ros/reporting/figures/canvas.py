@@ -31,7 +31,14 @@ def house_style() -> Iterator[None]:
     """Draw and save as matplotlib does of itself, whatever the user's matplotlibrc says; letters in files stay text."""
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update({'svg.fonttype': 'none', 'svg.hashsalt': 'kapitsa_ros', 'pdf.fonttype': 42})
+        mpl.rcParams.update(
+            {
+                'svg.fonttype': 'none',
+                'svg.hashsalt': 'kapitsa_ros',
+                'pdf.fonttype': 42,
+                'text.parse_math': False,  # $ is a sign of a name here
+            }
+        )
         yield
 
 

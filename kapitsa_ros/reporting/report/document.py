@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kapitsa_ros.file_name_text import encodable
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -30,6 +32,9 @@ class Document:
     text: str
     """Markdown; a figure stands on a line of its own, under its drawing's name."""
     drawings: Sequence[Drawing]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, 'text', encodable(self.text))  # it names files, and every format is UTF-8
 
 
 def drawings_named(figures: Sequence[tuple[Figure, str]]) -> list[Drawing]:
