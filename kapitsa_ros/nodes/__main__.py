@@ -9,6 +9,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, NoReturn
 
 from kapitsa_ros.errors import FAILED, KapitsaError
+from kapitsa_ros.process_title import show_as
 from kapitsa_ros.standard_streams import keep_streams_open
 
 if TYPE_CHECKING:
@@ -112,6 +113,7 @@ def _exit(status: int) -> NoReturn:
 if __name__ == '__main__':
     leave_on_signals()
     keep_streams_open()
+    show_as('kapitsa_ros.nodes', *sys.argv[1:])
     # The matrices of a node are small: threads of a BLAS would only take the cores from the other nodes.
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
     # Fast DDS writes its complaints to stdout.

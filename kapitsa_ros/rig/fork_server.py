@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import setproctitle
 
+from kapitsa_ros.process_title import show_as
 from kapitsa_ros.ros.arguments import NO_LOG_FILES, PARENT_OPTION
 from kapitsa_ros.ros.signals import SIGNALS, leave_on_signals
 
@@ -63,16 +64,12 @@ def serve_forked(requests: socket.socket) -> NoReturn:
         os.dup2(null, stream)
     os.closerange(3, number)
     os.closerange(number + 1, os.sysconf('SC_OPEN_MAX'))
-    _show(number)
+    show_as(MODULE, str(number))
     preload()
     preload_kernels()
     with socket.socket(fileno=number) as asking:
         serve(asking)
     _leave(0)
-
-
-def _show(number: int | str) -> None:
-    setproctitle.setproctitle(' '.join([sys.executable, '-m', MODULE, str(number)]))
 
 
 def serve(requests: socket.socket) -> None:
@@ -178,7 +175,7 @@ def _become_node(files: list[int], parent: int) -> int:
     ros = [*NO_LOG_FILES, '--params-file', f'/proc/self/fd/{parameters}']
     name, *roles = asked['nodes']
     arguments = [name, PARENT_OPTION, str(parent), *roles, *ros]
-    setproctitle.setproctitle(' '.join([sys.executable, '-m', 'kapitsa_ros.nodes', *arguments]))
+    show_as('kapitsa_ros.nodes', *arguments)
     setproctitle.setthreadtitle(name)  # for `top` and `pkill`
     os.environ.clear()
     os.environ.update(asked['environment'])
@@ -255,7 +252,7 @@ def _frozen() -> Iterator[None]:
 if __name__ == '__main__':
     leave_on_signals()
     os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
-    _show(sys.argv[1])
+    show_as(MODULE, sys.argv[1])
     with socket.socket(fileno=int(sys.argv[1])) as asking:
         preload()
         serve(asking)

@@ -123,6 +123,18 @@ def test_a_file_in_the_current_folder_is_no_module_of_a_node(tmp_path: Path) -> 
     assert done.stdout.startswith('usage: strobe')
 
 
+def test_a_node_is_shown_as_what_it_is(domain: int) -> None:
+    command = [sys.executable, '-m', 'kapitsa_ros', 'node', 'strobe']
+    with subprocess.Popen(command, stderr=subprocess.PIPE, env=os.environ | {'ROS_DOMAIN_ID': str(domain)}) as node:
+        try:
+            assert node.stderr is not None
+            assert b'joins domain' in node.stderr.readline()
+            shown = Path(f'/proc/{node.pid}/cmdline').read_text(encoding='utf-8').rstrip('\0')
+            assert shown == f'{sys.executable} -m kapitsa_ros.nodes strobe'
+        finally:
+            node.terminate()
+
+
 def test_who_ignores_the_ends_of_its_children_can_start_an_experiment(tmp_path: Path) -> None:
     (tmp_path / 'short.yaml').write_text('speeds: [2640 rpm]\nswings: 1\n', encoding='utf-8')
     command = [
