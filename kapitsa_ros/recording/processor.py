@@ -1,4 +1,4 @@
-"""What of a processor can change the last digits of a computation: which instructions numeric libraries find on it."""
+"""What of a processor can change the last digits of a computation: which instructions numeric libraries use of it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from kapitsa_ros.numba_settings import numba_settings
+
 PROCESSOR_KEY = 'processor'
 """Key of the bag's custom data, beside the digest."""
 
 
 def processor() -> tuple[str, ...]:
-    """Return the architecture, and the extensions that numpy finds: `x86_64`, `X86_V3` and so on."""
+    """Return the architecture, the extensions that numpy finds, and what is set for numba: `x86_64`, `X86_V3`, ..."""
     found: Any = np.show_config(mode='dicts')['SIMD Extensions']
-    return (platform.machine(), *found.get('baseline', ()), *found.get('found', ()))
+    return (platform.machine(), *found.get('baseline', ()), *found.get('found', ()), *numba_settings())
 
 
 def processor_text() -> str:

@@ -173,6 +173,26 @@ def test_the_answer_tells_the_processor_it_was_recorded_on(tmp_path: Path, kapit
     assert 'a processor that the bag does not tell, here a processor with' in lines['unknown']
 
 
+def test_a_setting_of_numba_by_which_the_last_digits_are_others_is_named(
+    tmp_path: Path, kapitsa: Callable[..., Any]
+) -> None:
+    """And no change: nothing was altered but the setting."""
+    bag = recorded_elsewhere(tmp_path / 'here', processor_text(), bend=True)
+    answer = kapitsa('verify', bag, env={'NUMBA_DISABLE_JIT': '1'})
+    assert answer.status == 1
+    assert "recorded with NUMBA_DISABLE_JIT unset, here '1': a change is only what differs" in answer.out
+    assert 'something was changed' in kapitsa('verify', bag, env={'NUMBA_DISABLE_JIT': '0'}).out
+
+
+def test_settings_that_are_as_without_them_are_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain = processor_text()
+    monkeypatch.setenv('NUMBA_DISABLE_JIT', '0')
+    monkeypatch.setenv('NUMBA_OPT', '3')
+    assert processor_text() == plain
+    monkeypatch.setenv('NUMBA_OPT', '0')
+    assert parse_processor(processor_text()) == (*json.loads(plain), 'NUMBA_OPT=0')
+
+
 @pytest.mark.parametrize('text', [None, '', '7', '{}', '[7]', '["a\\nb"]', '[' * 100_000])
 def test_what_is_no_processor_is_none(text: str | None) -> None:
     assert parse_processor(text) is None

@@ -102,3 +102,12 @@ def test_what_the_disk_does_not_take_is_said_once_and_computed(install: Path) ->
     (line,) = done.stderr.splitlines()
     assert line.startswith('kapitsa: warning: ')
     assert 'NUMBA_CACHE_DIR' in line
+
+
+def test_what_is_compiled_by_other_rules_is_not_used_without_them(install: Path) -> None:
+    """Its last digits are others, so that runs were no more what they had been."""
+    with tempfile.TemporaryDirectory() as cache:
+        Path(cache).chmod(0o777)
+        rules = [{'NUMBA_OPT': '0'}, {}, {'NUMBA_OPT': '3'}]
+        runs = [call_kernel(install, NUMBA_CACHE_DIR=cache, **rule) for rule in rules]
+    assert [int(run.stdout.split()[0]) for run in runs] == [0, 0, 1]

@@ -84,15 +84,26 @@ def _sentence(value: dict[str, Any]) -> str:
     )
     others = [f'{name} {each["recorded"]}, here {each["here"]}' for name, each in value['other_versions'].items()]
     if (other := value['other_processor']) is not None:
-        recorded = 'a processor that the bag does not tell' if other['recorded'] is None else _only(other, 'recorded')
-        others.append(f'{recorded}, here {_only(other, "here")}')
+        features, settings = zip(*(_apart(other[which]) for which in ('recorded', 'here')), strict=True)
+        if other['recorded'] is None:
+            others.append(f'a processor that the bag does not tell, here {_only(features[1], ())}')
+        elif features[0] != features[1]:
+            others.append(f'{_only(*features)}, here {_only(*reversed(features))}')
+        for name in sorted({*settings[0], *settings[1]}):
+            recorded, here = (repr(each[name]) if name in each else 'unset' for each in settings)
+            others.append(f'{name} {recorded}, here {here}')
     if not others:
         return f'{text}, under the same versions and on the same processor: something was changed'
     return f'{text}; recorded with {"; ".join(others)}: a change is only what differs under the same'
 
 
-def _only(processors: dict[str, tuple[str, ...]], which: str) -> str:
+def _apart(processor: tuple[str, ...] | None) -> tuple[tuple[str, ...], dict[str, str]]:
+    """Return what a processor has, and how numba was set to use it."""
+    settings = dict(each.split('=', 1) for each in processor or () if '=' in each)
+    return tuple(each for each in processor or () if '=' not in each), settings
+
+
+def _only(processor: tuple[str, ...], other: tuple[str, ...]) -> str:
     """Return what one processor has and the other lacks, as a person names it."""
-    [other] = (processors[name] or () for name in processors if name != which)
-    own = [each for each in processors[which] if each not in other]
+    own = [each for each in processor if each not in other]
     return f'a processor with {" ".join(own)}' if own else 'a processor without'

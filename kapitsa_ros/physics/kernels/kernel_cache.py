@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
+from kapitsa_ros.numba_settings import numba_settings
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -18,13 +20,13 @@ _CHECKSUM = 4
 """Bytes at the end of what is kept."""
 
 
-def _stamp() -> tuple[tuple[str, int, int], ...]:
-    """Return what tells one state of all kernels' sources from another."""
+def _stamp() -> tuple[object, ...]:
+    """Return what tells one state of all kernels' sources from another, compiled by one set of rules or another."""
     files = sorted(Path(__file__).parent.glob('*.py'))
-    return tuple((file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files)
+    return (*((file.name, file.stat().st_mtime_ns, file.stat().st_size) for file in files), *numba_settings())
 
 
-_SOURCES = _stamp()
+_STAMP = _stamp()
 
 
 class KernelCache(FunctionCache):  # type: ignore[misc]
@@ -44,8 +46,9 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
-        # Numba asks only whether the function's own file has changed, but kernels are compiled into one another.
-        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _SOURCES)
+        # Numba asks only whether the function's own file has changed, but kernels are compiled into one another, and
+        # what was compiled by NUMBA_OPT=0 would be taken without it.
+        self._cache_file = _CheckedFiles(self._cache_path, self._impl.filename_base, _STAMP)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return what is kept for a signature; None where there is nothing, or nothing that can be used."""
