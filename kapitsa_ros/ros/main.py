@@ -86,7 +86,7 @@ def run_composed(arguments: list[str], creates: Mapping[str, Callable[[], Proces
         if not composition.is_at_work:  # what a node meets at work is a failure, whatever was given to it
             status = getattr(error, 'exit_status', FAILED)
         composition.fail(error)
-        print(shorten(f'{composition.role}: error: {error}'), file=sys.stderr, flush=True)
+        print(f'{composition.role}: error: {shorten(str(error))}', file=sys.stderr, flush=True)
     except Exception as error:  # noqa: BLE001  # a defect: nobody else would show it before the node is taken down
         # A signal shuts the context under whatever call is being made, and each complains in its own way.
         if is_of_rclpy(error) and not rclpy.ok():
