@@ -17,6 +17,7 @@ import numpy as np
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,7 +76,7 @@ def _unpack(form: struct.Struct, raw: bytes, at: int) -> tuple[int, ...]:
     try:
         return form.unpack_from(raw, at)
     except struct.error as error:
-        raise WireError(f'not a numbered message: {error}') from error
+        raise _too_short(raw) from error
 
 
 def read_step_id(raw: bytes) -> StepId:
@@ -90,8 +91,16 @@ def read_step_id(raw: bytes) -> StepId:
     try:
         (length,) = _LENGTH.unpack_from(raw, NUMBER_LENGTH_AT)
         return _step_id(raw[_STEP_ID_AT : _STEP_ID_AT + length - 1])
-    except (struct.error, ValueError) as error:
+    except struct.error as error:
+        raise _too_short(raw) from error
+    except UnicodeDecodeError as error:
+        raise WireError('not a numbered message: its number is no text') from error
+    except ValueError as error:
         raise WireError(f'not a numbered message: {error}') from error
+
+
+def _too_short(raw: bytes) -> WireError:
+    return WireError(f'not a numbered message: {counted(len(raw), "byte")} without the header of one')
 
 
 @lru_cache(maxsize=64)

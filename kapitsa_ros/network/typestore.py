@@ -13,6 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.step_clock import DAY, SECOND
+from kapitsa_ros.units import counted
 
 if TYPE_CHECKING:
     from kapitsa_ros.network.step_id import StepId
@@ -73,7 +74,7 @@ def deserialise(message_type: str, raw: bytes) -> Any:
     try:
         return _STORE.deserialize_cdr(raw, message_type)
     except (SerdeError, ValueError, IndexError, struct.error) as error:
-        raise WireError(f'not a {message_type}: {error}') from error
+        raise WireError(f'not a {message_type}: its {counted(len(raw), "byte")} are laid out otherwise') from error
 
 
 def seconds_at(stamp: Any, step_id: StepId) -> float:

@@ -187,3 +187,23 @@ def test_a_cut_or_bent_block_is_refused_or_read(data: st.DataObject) -> None:
 def test_commands_that_are_not_finite_are_refused(speed: float) -> None:
     with pytest.raises(WireError, match='not finite'):
         registry.COMMAND.decode(registry.COMMAND.encode(STAMP, StepId(1, 0), Command(speed, 0.1)))
+
+
+@pytest.mark.parametrize(
+    ('raw', 'said'),
+    [
+        (b'', '0 bytes without the header of one'),
+        (b'\x00\x01\x00\x00', '4 bytes without the header of one'),
+        (b'\x00\x01\x00\x00' + bytes(8) + b'\x03\x00\x00\x00\xff\xfe\x00', 'its number is no text'),
+    ],
+)
+def test_what_has_no_number_is_refused_in_words_of_ours(raw: bytes, said: str) -> None:
+    with pytest.raises(WireError, match=f'^not a numbered message: {said}$'):
+        read_step_id(raw)
+
+
+def test_what_is_laid_out_otherwise_is_refused_in_words_of_ours() -> None:
+    raw = registry.STROBE_READING.encode(DAY, StepId(1, 0), StrobeReading(time=1.0, speed=2.0))[:-12]
+    told = f'^not a sensor_msgs/msg/JointState: its {len(raw)} bytes are laid out otherwise$'
+    with pytest.raises(WireError, match=told):
+        registry.STROBE_READING.decode(raw)
