@@ -106,6 +106,10 @@ class NodeGroup:
         """Return which nodes have refused what somebody said, and what they said of it."""
         return [f'{role} has {what}' for process in self._processes for role, what in process.refused.items()]
 
+    def held_up(self) -> list[str]:
+        """Return which nodes wait for a reader of what they say, or did, and what they said of it."""
+        return [f'{role}: {what}' for process in self._processes for role, what in process.held_up.items()]
+
     def refuse_leavers(self, patience: float) -> None:
         """Refuse that a node ended of itself, as after a signal, while others still need it.
 

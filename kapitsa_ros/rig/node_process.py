@@ -25,9 +25,10 @@ _OTHER = 'second writer'
 _SAYS = r'(\w+)\]?: '
 """What stands before a node's line: its name, in brackets unless the user wants it otherwise."""
 _REFUSED = re.compile(rf'{_SAYS}(refused: .+ \(\d+ so far\))$')
+_HELD_UP = re.compile(rf'{_SAYS}(\S+ (?:is full|has not been taken): .+)$')
 _JOINED, _WAITING = re.compile(rf'{_SAYS}joins domain \d+$'), re.compile(rf'{_SAYS}waiting for (.+) in domain \d+')
 _FOUND = re.compile(rf'{_SAYS}waits for nobody any more$')
-"""Lines of a node: that it is there, for whom it waits; above, that it has not used what somebody said."""
+"""Lines of a node: that it is there, for whom it waits; above, that it has refused something, or is held up."""
 _FAILED = re.compile(r'(\w+): error: (.*)')
 
 
@@ -60,6 +61,8 @@ class NodeProcess:
         """For whom each role waits, as it last said."""
         self.refused: dict[str, str] = {}
         """What each role has last refused, of another writer if it had to do with one, and how often it did."""
+        self.held_up: dict[str, str] = {}
+        """What of each role is not taken by a reader, as it last said."""
         with ExitStack() as failed_start:
             pipe, stderr = os.pipe()
             self._stderr = failed_start.enter_context(open(pipe, encoding='utf-8', errors='replace'))  # noqa: PTH123
@@ -149,6 +152,8 @@ class NodeProcess:
             role, text = refused.groups()
             if _OTHER in text or _OTHER not in self.refused.get(role, ''):
                 self.refused[role] = text
+        elif held_up := _HELD_UP.search(line):
+            self.held_up[held_up[1]] = held_up[2]
         elif waiting := _WAITING.search(line):
             self.waits[waiting[1]] = waiting[2]
         elif found := _FOUND.search(line):

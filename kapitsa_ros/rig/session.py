@@ -173,11 +173,14 @@ def watch(
             ) as nodes,
             attended(monitor),
         ):
-            formation = Formation(nodes)
+            formation, warned = Formation(nodes), set[str]()
             while not nodes.wait(WATCH_PERIOD):
                 monitor.check()
                 if not monitor.progress:
                     formation.check()
+                for line in set(nodes.held_up()) - warned:
+                    warned.add(line)
+                    _LOG.warning('kapitsa: warning: %s', line)
                 if not monitor.session_over:
                     nodes.refuse_leavers(LEAVING)
                 elif not told and monitor.is_complete:

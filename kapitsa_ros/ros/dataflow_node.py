@@ -23,7 +23,7 @@ from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
-from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.errors import NodeError, SettingError
 from kapitsa_ros.ros.node_logger import NodeLogger
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
@@ -147,22 +147,31 @@ class DataflowNode(ProcessNode):
         self.emit_raw(topic, topic.encode(stamp_ns, step_id, value))
 
     def emit_raw(self, topic: Topic[Any], raw: bytes) -> None:
-        """Publish one message; a reader that is behind slows the writer, it does not break it."""
+        """Publish one message; a reader that is behind slows the writer, it does not break it.
+
+        Raises
+        ------
+        NodeError
+            A reader that is not of the rig takes nothing, and DDS has not given it up.
+
+        """
         publisher = self._out[topic.name]
         raw += bytes(aligned(len(raw), 4))  # as DDS pads it on its way, but not to a reader in the same process
         self._stamp_ns = stamp_of(raw)
         if ends_session(read_step_id(raw)):
             self._over.add(topic.name)
-        said = False
+        full_since = None
         while True:
             try:
                 publisher.publish(raw)
             except RCLError:
                 if not self.context.ok():
                     raise ExternalShutdownException from None
-                if not said:
+                if full_since is None:
+                    full_since = time.monotonic()
                     self._say_held_up(topic.name, 'is full')
-                    said = True
+                elif time.monotonic() - full_since > LEASE:
+                    self._refuse_outsiders(topic.name)
                 time.sleep(0.01)
             else:
                 return
@@ -227,9 +236,21 @@ class DataflowNode(ProcessNode):
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
     def _say_held_up(self, topic: str, how: str) -> None:
-        readers = ', '.join(self._peers.readers(topic))
-        self.get_logger().warning(f'{topic} {how}: waiting for a reader that has stopped ({readers})')
+        readers, outsiders = ', '.join(self._peers.readers(topic)), ', '.join(self._outsiders(topic))
+        which = f', of which {outsiders} is not of this rig' if outsiders else ''
+        self.get_logger().warning(f'{topic} {how}: waiting for a reader that has stopped ({readers}){which}')
         self._held_up += 1
+
+    def _outsiders(self, topic: str) -> list[str]:
+        return [name for name in self._peers.readers(topic) if name not in self.expected]
+
+    def _refuse_outsiders(self, topic: str) -> None:
+        outsiders = self._outsiders(topic)
+        if outsiders:
+            raise NodeError(
+                f'{topic} has been full for {LEASE:g} s: {", ".join(outsiders)} reads it, is not of this rig, and '
+                'has to take what it reads or leave'
+            )
 
     def _name_strangers(self) -> None:
         for name in {name for source in self._inputs for name in source.strangers()} - self._known_strangers:

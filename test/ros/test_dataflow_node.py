@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,7 +25,9 @@ from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.network.synchronizer import StepSynchronizer
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros import dataflow_node
 from kapitsa_ros.ros.dataflow_node import DataflowNode
+from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.instrument_node import InstrumentNode
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.step_node import StepNode
@@ -114,6 +117,74 @@ def test_a_full_writer_waits_names_the_reader_and_loses_nothing(
         reader.kill()
         reader.wait()
         reader.stdout.close()
+        node.destroy_node()
+
+
+SLEEPER = """
+import sys
+import rclpy
+from rclpy.node import Node
+from kapitsa_ros.network.registry import STROBE_READING
+from kapitsa_ros.ros.qos import STREAM, message_class
+rclpy.init(domain_id=int(sys.argv[1]))
+node = Node('sleeper')
+node.create_subscription(message_class(STROBE_READING.type), STROBE_READING.name, print, STREAM, raw=True)
+sys.stdin.read()
+"""
+SHORT = """<dds xmlns="http://www.eprosima.com"><profiles>
+<data_reader profile_name="short" is_default_profile="true"><topic><resourceLimitsQos><max_samples>10</max_samples>
+<max_instances>10</max_instances><max_samples_per_instance>10</max_samples_per_instance>
+<allocated_samples>1</allocated_samples></resourceLimitsQos></topic></data_reader></profiles></dds>"""
+"""Of a reader that has room for ten messages, and tells DDS so while it takes none."""
+
+
+@pytest.mark.parametrize('of_the_rig', [False, True])
+def test_a_reader_that_takes_nothing_for_good_is_waited_for_if_it_is_of_the_rig(
+    ros: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    eventually: Callable[[Callable[[], Any]], None],
+    *,
+    of_the_rig: bool,
+) -> None:
+    monkeypatch.setattr(dataflow_node, 'LEASE', 0.0)
+    profile = tmp_path / 'short.xml'
+    profile.write_text(SHORT, encoding='utf-8')
+    name = 'operator' if of_the_rig else 'sleeper'
+    command = [sys.executable, '-c', SLEEPER.replace('sleeper', name), str(ros)]
+    environment = os.environ | {'FASTRTPS_DEFAULT_PROFILES_FILE': str(profile)}
+    reader = subprocess.Popen(command, stdin=subprocess.PIPE, env=environment)
+    node = DataflowNode(STROBE)
+    failed: list[Exception] = []
+
+    def emit_all() -> None:
+        try:
+            for step in range(MANY):
+                node.emit_silence(STROBE_READING, StepId(1, step), step)
+        except NodeError as error:
+            failed.append(error)
+
+    try:
+        eventually(
+            lambda: [end.node_name for end in node.get_subscriptions_info_by_topic(STROBE_READING.name)] == [name]
+        )
+        writing = threading.Thread(target=emit_all, daemon=True)
+        with piped_stderr() as line:
+            writing.start()
+            named = 'operator)' if of_the_rig else 'sleeper), of which sleeper is not of this rig'
+            assert f'strobe/reading is full: waiting for a reader that has stopped ({named}\n' in line()
+        if of_the_rig:
+            assert reader.stdin is not None
+            reader.stdin.close()  # it leaves: the writer goes on
+        writing.join(180.0)
+        assert not writing.is_alive()
+        told = (
+            'strobe/reading has been full for 0 s: sleeper reads it, is not of this rig, and has to take what it reads'
+        )
+        assert [str(error).removesuffix(' or leave') for error in failed] == ([] if of_the_rig else [told])
+    finally:
+        reader.kill()
+        reader.communicate()
         node.destroy_node()
 
 
