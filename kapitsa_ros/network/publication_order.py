@@ -34,17 +34,19 @@ class PublicationOrder:
     ----------
     is_alone
         Whether the graph shows one writer of the topic at this moment.
+    has_been_alone
+        Whether it has never shown another.
 
     """
 
-    def __init__(self, is_alone: Callable[[], bool]) -> None:
-        self._is_alone = is_alone
+    def __init__(self, is_alone: Callable[[], bool], has_been_alone: Callable[[], bool]) -> None:
+        self._is_alone, self._has_been_alone = is_alone, has_been_alone
         self._last: tuple[int, StepId] | None = None
         self._before: StepId | None = None
         self._began: dict[int, int] = {}
         self._skipped: list[range] = []
         self._doubtful: int | None = None
-        """The first publication that was taken while there was another writer: before it all are the writer's own."""
+        """The first publication that was taken since there was another writer: before it all are the writer's own."""
 
     def classify(self, publication: int | None, step_id: StepId) -> Provenance:
         """Return what a message is, and remember it if it goes on where the last one was.
@@ -90,7 +92,7 @@ class PublicationOrder:
     def _take(self, publication: int, step_id: StepId) -> None:
         self._before = self._last[1] if self._last else None
         self._last = (publication, step_id)
-        if self._doubtful is None and not self._is_alone():
+        if self._doubtful is None and not self._has_been_alone():
             self._doubtful = publication
         if step_id.step == 0 or step_id.run not in self._began:
             self._began[step_id.run] = publication - step_id.step

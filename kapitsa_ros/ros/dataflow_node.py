@@ -15,12 +15,19 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 
 from kapitsa_ros.errors import shorten
-from kapitsa_ros.network.cdr import aligned, read_step_id, stamp_of
+from kapitsa_ros.network.cdr import aligned, stamp_of
 from kapitsa_ros.network.errors import WireError
-from kapitsa_ros.network.registry import KNOWN_NAMES, PLAYER, REPLAY_NAMES, REQUIRED_NAMES, ROLE_NAMES, writers_of
+from kapitsa_ros.network.registry import (
+    KNOWN_NAMES,
+    PLAYER,
+    REPLAY_NAMES,
+    REQUIRED_NAMES,
+    ROLE_NAMES,
+    writer_of,
+    writers_of,
+)
 from kapitsa_ros.network.settings import SETTINGS_TYPE, settings_topic
 from kapitsa_ros.network.step_clock import DAY
-from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
 from kapitsa_ros.ros.errors import NodeError, SettingError
@@ -105,8 +112,6 @@ class DataflowNode(ProcessNode):
             for topic in self.reads
         ]
         self._known_strangers: set[str] = set()
-        self._over: set[str] = set()
-        """Topics on which it was said that no run follows."""
         self._heard_since = False
         """Whether a message came since the last look at the graph."""
         for topic in (*self.reads, *self.writes):
@@ -158,8 +163,6 @@ class DataflowNode(ProcessNode):
         publisher = self._out[topic.name]
         raw += bytes(aligned(len(raw), 4))  # as DDS pads it on its way, but not to a reader in the same process
         self._stamp_ns = stamp_of(raw)
-        if ends_session(read_step_id(raw)):
-            self._over.add(topic.name)
         full_since = None
         while True:
             try:
@@ -231,7 +234,8 @@ class DataflowNode(ProcessNode):
             if self._peers.matched:
                 if self._stranger_look.due():
                     self._name_strangers()
-                self._peers.refuse_lost(self._over, heard=self._heard_since)
+                lost = {writer_of(source.topic).name for source in self._inputs if source.is_lost()}
+                self._peers.refuse_lost(lost, heard=self._heard_since)
                 self._heard_since = False
         return self.advance() if self._peers.ready() else LOOK_PERIOD
 
@@ -255,15 +259,15 @@ class DataflowNode(ProcessNode):
     def _name_strangers(self) -> None:
         for name in {name for source in self._inputs for name in source.strangers()} - self._known_strangers:
             self._known_strangers.add(name)
-            self.get_logger().warning(f'{name} writes what is not its to write: nothing of that is used')
+            self.get_logger().warning(
+                f'{name} writes what is not its to write: it is refused, or ends the run where it cannot be told apart'
+            )
 
     def _taker(self, name: str) -> Callable[[StepId, bytes], None]:
         def take(step_id: StepId, raw: bytes) -> None:
             self._heard_since = True
             if self.finished:  # what others of its process still say is not for it
                 return
-            if ends_session(step_id):
-                self._over.add(name)
             try:
                 fresh = self.accept(name, step_id, raw)
             except WireError as error:

@@ -9,11 +9,11 @@ if TYPE_CHECKING:
 
     from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-_UNKNOWN = '_NODE_NAME_UNKNOWN_'
+UNKNOWN = '_NODE_NAME_UNKNOWN_'
 """As rmw has it of a node whose topics were heard of before its name was."""
 NAMELESS = 'a node without a name yet'
 
 
 def node_names(ends: Iterable[TopicEndpointInfo]) -> list[str]:
     """Return the names in order; a node that has said none yet is called that."""
-    return sorted(NAMELESS if end.node_name == _UNKNOWN else end.node_name for end in ends)
+    return sorted(NAMELESS if end.node_name == UNKNOWN else end.node_name for end in ends)

@@ -10,11 +10,11 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import SequenceError, WireError
 from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
-from kapitsa_ros.network.registry import writers_of
+from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import NAMELESS, node_names
 from kapitsa_ros.ros.process_node import ASKS_ITSELF
 from kapitsa_ros.ros.qos import STREAM, message_class
+from kapitsa_ros.ros.writer_watch import WriterWatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,8 +56,11 @@ class NumberedSubscription:
         fail: Callable[[Exception], None],
     ) -> None:
         self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
-        self._matched = 0
-        self._order = PublicationOrder(lambda: self._matched <= 1)
+        self._fail = fail
+        self._watch = WriterWatch(node, topic)
+        self._order = PublicationOrder(self._watch.is_alone, lambda: self._watch.has_been_alone)
+        self._is_over = False
+        """Whether the writer has said that no run follows: it may leave."""
 
         def receive(message: Any, info: Any = None) -> None:
             # The events executor of rclpy 7.1 gives both as one argument.
@@ -73,19 +76,37 @@ class NumberedSubscription:
         kind = message_class(topic.type)
         node.create_subscription(kind, topic.name, receive, STREAM, raw=True, event_callbacks=events)
 
+    @property
+    def topic(self) -> Topic[Any]:
+        """What is read."""
+        return self._topic
+
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""
-        names = self._writers()
-        own = next((name for name in names if name in writers_of(self._topic)), NAMELESS)
-        if own in names:  # of those without a name one may be the topic's own
-            names.remove(own)
-        return names
+        return self._watch.strangers()
+
+    def is_lost(self) -> bool:
+        """Whether the topic's writer is not there, and has not said that no run follows."""
+        self._watch.refresh()
+        return not self._is_over and self._watch.is_gone
 
     def _note_match(self, event: Any) -> None:
-        self._matched = event.current_count
+        self._watch.note_match(event)
+        try:
+            self._refuse_another()
+        except NodeError as error:
+            self._fail(error)
 
-    def _writers(self) -> list[str]:
-        return node_names(self._node.get_publishers_info_by_topic(self._topic.name))
+    def _refuse_another(self) -> None:
+        fault = None if self._is_over else self._watch.fault()
+        if fault is not None:
+            raise NodeError(f'{self._topic.name} {fault}')
+
+    def _is_of_nobody(self) -> bool:
+        """Whether nobody whose topic it is can have said what came; asked until all is clear."""
+        self._watch.refresh()
+        self._refuse_another()
+        return not (self._watch.is_known or self._watch.know())
 
     def _receive(self, raw: bytes, publication: int | None) -> None:
         name = self._topic.name
@@ -94,6 +115,10 @@ class NumberedSubscription:
         except WireError as error:
             strangers = ', '.join(self.strangers())
             self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
+            return
+        if not self._watch.is_steady and self._is_of_nobody():
+            others = ', '.join(self.strangers()) or 'a node that has left'
+            self._refuse(f'{name}: {step_id} comes from {others}, whose topic it is not')
             return
         provenance = self._order.classify(publication, step_id)
         if provenance is Provenance.OWN:
@@ -106,6 +131,8 @@ class NumberedSubscription:
 
     def _take_own(self, step_id: StepId, raw: bytes) -> None:
         """Take what is the writer's, as far as can be told; a second writer may have hit upon its next publication."""
+        if step_id.end and ends_session(step_id):
+            self._is_over = True
         try:
             self._take(step_id, raw)
         except SequenceError as error:

@@ -6,14 +6,16 @@ import shutil
 import time
 from typing import TYPE_CHECKING, Any
 
-from kapitsa_ros.network.registry import readers_of, writer_of
+from kapitsa_ros.network.registry import readers_of, writer_of, writers_of
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import node_names
+from kapitsa_ros.ros.node_names import NAMELESS, node_names
+from kapitsa_ros.ros.writer_watch import heard_writers
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable
+    from collections.abc import Collection, Iterable, Sequence
 
     from rclpy.node import Node
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
 
     from kapitsa_ros.network.topic import Topic
 
@@ -35,8 +37,8 @@ class PeerDiscovery:
         self._node = node
         self._writes = {topic: readers_of(topic) & expected for topic in writes}
         self._reads = tuple(reads)
-        self._resolved = {topic.name: node.resolve_topic_name(topic.name) for topic in (*self._writes, *self._reads)}
-        """Names on the graph, by names of topics: they may be remapped."""
+        self._resolved = {topic: node.resolve_topic_name(topic.name) for topic in (*self._writes, *self._reads)}
+        """Names on the graph: they may be remapped."""
         self._next_line = time.monotonic() + PATIENCE
         self._wait = PATIENCE
         self.matched = False
@@ -69,15 +71,15 @@ class PeerDiscovery:
             )
         return self.matched
 
-    def refuse_lost(self, over: Collection[str], *, heard: bool) -> None:
+    def refuse_lost(self, lost: Collection[str], *, heard: bool) -> None:
         """Look whether everyone whom this node reads still is there; called now and then.
 
         Who only reads may leave: it was through before this node, and where it was not, those it writes to miss it.
 
         Parameters
         ----------
-        over
-            Topics on which it was said that no run follows: their writers may leave.
+        lost
+            Roles whose writers are not there, and have not said that no run follows.
         heard
             Whether a message came since the last call: then what a lost one said last may still be on its way.
 
@@ -87,9 +89,8 @@ class PeerDiscovery:
             Someone has been out of reach for too long.
 
         """
-        lost = set() if heard else self._unwritten(over)
         now = time.monotonic()
-        if not lost:
+        if not lost or heard:
             self._lost_since = None
         elif self._lost_since is None:
             self._lost_since = now
@@ -106,23 +107,29 @@ class PeerDiscovery:
             missing |= wanted - set(self.readers(topic.name))
         return missing
 
-    def _unwritten(self, over: Collection[str] = ()) -> set[str]:
-        """Return who would write the topics that this node reads and nobody writes."""
-        return {
-            writer_of(topic).name for topic in self._reads if topic.name not in over and not self._count_writers(topic)
-        }
+    def _unwritten(self) -> set[str]:
+        """Return who would write the topics that this node reads, and is not there."""
+        return {writer_of(topic).name for topic in self._reads if not self._is_written(topic)}
+
+    def _is_written(self, topic: Topic[Any]) -> bool:
+        if not self._count_writers(topic):
+            return False
+        return any(end.node_name in writers_of(topic) for end in heard_writers(self._node, topic))
 
     def _count_writers(self, topic: Topic[Any]) -> int:
         """Count without asking who they are, which takes seven times as long."""
-        return self._node.count_publishers(self._resolved[topic.name])
+        return self._node.count_publishers(self._resolved[topic])
 
     def _refuse_doubles(self) -> None:
-        for topic in (*self._writes, *self._reads):
-            if self._count_writers(topic) > 1:
-                writers = self._node.get_publishers_info_by_topic(topic.name)
-                domain = self._node.context.get_domain_id()
-                names = ', '.join(node_names(writers))
-                raise NodeError(
-                    f'{len(writers)} nodes write {topic.name} in domain {domain}: a rig is there already ({names}); '
-                    'choose another ROS_DOMAIN_ID or stop it'
-                )
+        for topic in self._resolved:
+            if self._count_writers(topic) > 1 and len(writers := heard_writers(self._node, topic)) > 1:
+                raise self._double(topic, writers)
+
+    def _double(self, topic: Topic[Any], writers: Sequence[TopicEndpointInfo]) -> NodeError:
+        domain, names = self._node.context.get_domain_id(), node_names(writers)
+        strangers = [name for name in names if name not in writers_of(topic) and name != NAMELESS]
+        why = f'{", ".join(strangers)} is not of the rig' if strangers else 'a rig is there already'
+        return NodeError(
+            f'{len(writers)} nodes write {topic.name} in domain {domain}: {why} ({", ".join(names)}); '
+            'choose another ROS_DOMAIN_ID or stop it'
+        )

@@ -12,8 +12,8 @@ OWN, FOREIGN, CONTESTED = Provenance.OWN, Provenance.FOREIGN, Provenance.CONTEST
 
 def after(steps: int, *, alone: bool = True) -> PublicationOrder:
     """Return the order after some steps of run 1, each the writer's next publication; then `alone` is as given."""
-    order = PublicationOrder(lambda: order.alone)
-    order.alone = True
+    order = PublicationOrder(lambda: order.alone, lambda: order.alone and order.was_alone)
+    order.alone = order.was_alone = True
     for step in range(steps):
         assert order.classify(step + 1, StepId(1, step)) is OWN
     order.alone = alone
@@ -53,6 +53,14 @@ def test_what_was_taken_before_the_stranger_came_is_beyond_doubt() -> None:
     assert order.classify(11, StepId(1, 10)) is OWN
     assert order.classify(5, StepId(1, 4)) is FOREIGN
     assert order.classify(11, StepId(1, 10)) is CONTESTED
+
+
+def test_who_was_there_before_the_writer_and_was_believed_is_found_when_the_writer_speaks() -> None:
+    """A stranger had spoken and left when its reader began to listen, and the writer had come."""
+    order = after(0)
+    order.was_alone = False
+    assert [order.classify(number + 1, StepId(1, number)) for number in range(60)] == [OWN] * 60
+    assert order.classify(1, StepId(1, 0)) is CONTESTED
 
 
 @pytest.mark.parametrize('publications', itertools.permutations([1, 7]))

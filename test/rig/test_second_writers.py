@@ -1,7 +1,8 @@
-"""Whoever else writes a numbered topic changes nothing, is named, and takes no node with it."""
+"""Whoever else writes a numbered topic changes nothing and is named; where that cannot be told the run ends."""
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,25 @@ from std_msgs.msg import String
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
-from kapitsa_ros.network.cdr import encode_header
+from kapitsa_ros.network.cdr import encode_header, read_step_id
 from kapitsa_ros.network.registry import COMMAND, ROLE_NAMES, STOPWATCH_READING, STROBE_READING, TOPICS
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
+from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.ros.qos import LATCHED, STREAM, VIEW, message_class
 from kapitsa_ros.ros.session_monitor import SessionMonitor
+from kapitsa_ros.units import RPM
 
 pytestmark = pytest.mark.xdist_group('processes')
+PATIENCE = 120.0
+OTHERS = [role for role in ROLE_NAMES if role != 'strobe']
+READING = ('operator', 'analyser', 'recorder')
+READERS = len(READING) + 1
+"""Of strobe/reading: with the client of the program."""
 
 WELL_FORMED = {
     COMMAND: Command(speed=200.0, hold=None),
@@ -130,3 +138,84 @@ def test_strangers_change_nothing_and_are_named(
         name = Path(run['bag']).name
         for file in (recorded[0] / name).iterdir():
             assert (tmp_path / 'A' / name / file.name).read_bytes() == file.read_bytes()
+
+
+@contextmanager
+def node_of_a_stranger(name: str, domain: int) -> Iterator[Node]:
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        node = Node(name, context=context)
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+
+
+def test_who_goes_on_in_a_nodes_place_ends_the_run(
+    tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    """It has the node's name and the next step, and the graph shows one writer, as before."""
+    setup = Setup(rate=2.0, bags=tmp_path)
+    with Rig(nodes=OTHERS, rate=2.0) as rig, node_of_a_stranger('strobe', rig.domain) as stranger:
+        said: list[StepId] = []
+        kind = message_class(STROBE_READING.type)
+
+        def hear(raw: bytes) -> None:
+            step = read_step_id(raw)
+            if not said or step.follows(said[-1]):
+                said.append(step)
+
+        with NodeGroup(['strobe'], parameters(setup), rig.domain):
+            rig.wait_for('jigsaw/pivot', timeout=PATIENCE)
+            executor = SingleThreadedExecutor(context=stranger.context)
+            executor.add_node(stranger)
+            stranger.create_subscription(kind, STROBE_READING.name, hear, STREAM, raw=True)
+            eventually(lambda: executor.spin_once(0.1) or (said and said[-1].step > 20))
+            publisher = stranger.create_publisher(kind, STROBE_READING.name, 10)
+            eventually(lambda: executor.spin_once(0.1) or publisher.get_subscription_count() == READERS + 1)
+            for _ in range(1000):  # it has published more than the true one
+                publisher.publish(STROBE_READING.codec.encode_silence(DAY, StepId(1, 0)))
+        eventually(lambda: executor.spin_once(0.1) or stranger.count_publishers(STROBE_READING.name) == 1)
+        executor.shutdown()
+        step = StepId(said[-1].run, said[-1].step + 1)
+        stamp = step.run * DAY + step.step * SECOND // 10
+        publisher.publish(STROBE_READING.encode(stamp, step, StrobeReading(time=stamp / SECOND, speed=3000 * RPM)))
+        told = 'strobe/reading has lost its writer in mid-session, and has another: another strobe'
+        with pytest.raises(RigError, match=told):
+            rig.wait_for('strobe/reading', lambda reading: reading.speed == 3000 * RPM, PATIENCE)
+
+
+def test_who_speaks_before_a_node_joins_is_not_taken_for_it(
+    tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    with Rig(nodes=OTHERS, instruments='ideal') as rig:
+        with node_of_a_stranger('passer_by', rig.domain) as stranger:
+            publisher = stranger.create_publisher(message_class(STROBE_READING.type), STROBE_READING.name, STREAM)
+            eventually(lambda: publisher.get_subscription_count() == READERS)
+            for role in READING:  # by then they know who has joined
+                assert rig.processes[role].wait_for_line('waiting for strobe', PATIENCE)
+            for number in range(60):
+                reading = StrobeReading(time=number / 10, speed=3000 * RPM) if number % 10 == 5 else None
+                publisher.publish(STROBE_READING.encode(DAY + number * SECOND // 10, StepId(1, number), reading))
+            for role in READING:
+                told = 'refused: strobe/reading: run 1 step 0 comes from passer_by, whose topic it is not'
+                assert rig.processes[role].wait_for_line(told, PATIENCE)
+        with NodeGroup(['strobe'], parameters(Setup(bags=tmp_path)), rig.domain):
+            rig.request_speed(2500)
+            assert rig.wait_for('strobe/reading', timeout=PATIENCE).speed == pytest.approx(2500 * RPM, rel=0.05)
+
+
+def test_a_node_that_leaves_is_missed_whoever_bears_its_topics_name(
+    tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    with Rig(nodes=OTHERS, rate=2.0) as rig, node_of_a_stranger('passer_by', rig.domain) as stranger:
+        with NodeGroup(['strobe'], parameters(Setup(bags=tmp_path, rate=2.0)), rig.domain):
+            rig.wait_for('jigsaw/pivot', timeout=PATIENCE)
+            stranger.create_publisher(String, STROBE_READING.name, 10)
+            for role in READING:
+                assert rig.processes[role].wait_for_line('passer_by writes what is not its to write', PATIENCE)
+            eventually(lambda: stranger.count_publishers(STROBE_READING.name) == 2)
+        with pytest.raises(RigError, match='strobe left in mid-session, or cannot be reached any more'):
+            rig.wait_for('jigsaw/pivot', lambda _: False, PATIENCE)

@@ -6,10 +6,11 @@ from types import SimpleNamespace
 
 import pytest
 
-from kapitsa_ros.network.registry import PIVOT, REQUIRED_NAMES, STROBE, STROBE_READING, readers_of
+from kapitsa_ros.network.registry import PIVOT, REQUIRED_NAMES, STROBE, STROBE_READING, readers_of, topic_named
 from kapitsa_ros.ros import peer_discovery
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.peer_discovery import LOST, PATIENCE, PeerDiscovery
+from kapitsa_ros.ros.qos import STREAM
 
 
 class Node:
@@ -26,7 +27,14 @@ class Node:
         return [SimpleNamespace(node_name=name) for name in self.readers.get(topic, ())]
 
     def get_publishers_info_by_topic(self, topic: str):
-        return [SimpleNamespace(node_name=name) for name in self.writers.get(topic, ())]
+        return [
+            SimpleNamespace(
+                node_name=name.removesuffix(' of texts'),
+                topic_type='std_msgs/msg/String' if name.endswith(' of texts') else topic_named(topic).type,
+                qos_profile=STREAM,
+            )
+            for name in self.writers.get(topic, ())
+        ]
 
     def resolve_topic_name(self, topic: str) -> str:
         return topic
@@ -114,28 +122,42 @@ def test_a_second_writer_of_a_topic_is_another_rig(node: Node, peers: PeerDiscov
         peers.ready()
 
 
-def test_who_is_out_of_reach_is_given_up_unless_it_was_through(node: Node, peers: PeerDiscovery) -> None:
-    def look(*over: str, heard: bool = False) -> None:
-        peers.refuse_lost(over, heard=heard)
+def test_a_stranger_among_the_writers_is_named_for_what_it_is(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    node.writers[PIVOT.name].append('passer_by')
+    with pytest.raises(NodeError, match=r'2 nodes write jigsaw/pivot in domain 42: passer_by is not of the rig \('):
+        peers.ready()
 
+
+@pytest.mark.parametrize('stranger', ['passer_by', 'jigsaw of texts'])
+def test_a_stranger_is_not_taken_for_the_writer_that_is_waited_for(
+    node: Node, peers: PeerDiscovery, stranger: str
+) -> None:
     complete(node)
+    node.writers[PIVOT.name] = [stranger]
+    assert not peers.ready()
+
+
+def test_what_only_bears_a_topics_name_is_no_second_writer(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    node.writers[PIVOT.name].append('passer_by of texts')
     assert peers.ready()
-    del node.writers[PIVOT.name]
-    look()
+
+
+def test_who_is_out_of_reach_is_given_up(node: Node, peers: PeerDiscovery) -> None:
+    def look(*lost: str, heard: bool = False) -> None:
+        peers.refuse_lost(lost, heard=heard)
+
+    look('jigsaw')
     node.now += LOST + 0.1
-    complete(node)
     look()  # it is back
-    del node.writers[PIVOT.name]
-    look()
+    look('jigsaw')
     node.now += LOST + 0.1
-    look(PIVOT.name)
-    look()
-    node.now += LOST + 0.1
-    look(heard=True)  # its last word may be on its way
-    look()
+    look('jigsaw', heard=True)  # its last word may be on its way
+    look('jigsaw')
     node.now += LOST + 0.1
     with pytest.raises(NodeError, match=r'^jigsaw left in mid-session, or cannot be reached any more'):
-        look()
+        look('jigsaw')
 
 
 def test_a_reader_that_was_through_first_may_leave(node: Node, peers: PeerDiscovery) -> None:

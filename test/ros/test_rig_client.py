@@ -36,7 +36,7 @@ def test_messages_of_strangers_are_left_out(domain: int, eventually: Callable[[C
     context = Context()
     with on_loopback():
         context.init(domain_id=domain)
-        stranger = Node('stranger', context=context)
+        stranger = Node('strobe', context=context)  # as it calls itself
         client = RigClient(domain)
     topic = STROBE_READING.name
     with client:
