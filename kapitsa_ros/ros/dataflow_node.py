@@ -108,10 +108,14 @@ class DataflowNode(ProcessNode):
             topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
         }
         self._inputs = [
-            NumberedSubscription(self, topic, self._taker(topic.name), self.refuse, self.keep_failure)
+            NumberedSubscription(
+                self, topic, self._taker(topic.name), self.refuse, self.keep_failure, met=self._note_writers
+            )
             for topic in self.reads
         ]
         self._known_strangers: set[str] = set()
+        self._has_met = True
+        """Whether a writer has come or left since this node has looked for another rig."""
         self._heard_since = False
         """Whether a message came since the last look at the graph."""
         for topic in (*self.reads, *self.writes):
@@ -237,7 +241,16 @@ class DataflowNode(ProcessNode):
                 lost = {writer_of(source.topic).name for source in self._inputs if source.is_lost()}
                 self._peers.refuse_lost(lost, heard=self._heard_since)
                 self._heard_since = False
-        return self.advance() if self._peers.ready() else LOOK_PERIOD
+        if not self._peers.ready():
+            return LOOK_PERIOD
+        if self._has_met:
+            self._has_met = not self._peers.give_way()
+        wait = self.advance()
+        return min(wait, LOOK_PERIOD) if self._has_met else wait
+
+    def _note_writers(self) -> None:
+        self._has_met = True
+        self.be_due()
 
     def _say_held_up(self, topic: str, how: str) -> None:
         readers, outsiders = ', '.join(self._peers.readers(topic)), ', '.join(self._outsiders(topic))

@@ -44,6 +44,8 @@ class NumberedSubscription:
     fail
         Called with what `take` raises, and with a NodeError where two have said what one alone may say, and it is not
         known whom to believe.
+    met
+        Called when a writer has come or left.
 
     """
 
@@ -54,9 +56,11 @@ class NumberedSubscription:
         take: Callable[[StepId, bytes], None],
         refuse: Callable[[str], None],
         fail: Callable[[Exception], None],
+        *,
+        met: Callable[[], None] = lambda: None,
     ) -> None:
         self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
-        self._fail = fail
+        self._fail, self._met = fail, met
         self._watch = WriterWatch(node, topic)
         self._order = PublicationOrder(self._watch.is_alone, lambda: self._watch.has_been_alone)
         self._is_over = False
@@ -92,6 +96,7 @@ class NumberedSubscription:
 
     def _note_match(self, event: Any) -> None:
         self._watch.note_match(event)
+        self._met()
         try:
             self._refuse_another()
         except NodeError as error:

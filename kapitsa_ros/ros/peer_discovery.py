@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.network.registry import readers_of, writer_of, writers_of
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import NAMELESS, node_names
+from kapitsa_ros.ros.node_names import NAMELESS, UNKNOWN, node_names
 from kapitsa_ros.ros.writer_watch import heard_writers
 
 if TYPE_CHECKING:
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     from kapitsa_ros.network.topic import Topic
 
+DISCOVERY = 3.0
+"""Seconds for which DDS announces a node often (see config/loopback.xml): then all who are there know of it."""
 LOST = 3.0
 """Seconds for which a peer has been out of reach when it is given up; DDS waits for 20 s before it tells of that."""
 PATIENCE = 3.0
@@ -39,6 +41,7 @@ class PeerDiscovery:
         self._reads = tuple(reads)
         self._resolved = {topic: node.resolve_topic_name(topic.name) for topic in (*self._writes, *self._reads)}
         """Names on the graph: they may be remapped."""
+        self._joined = time.monotonic()
         self._next_line = time.monotonic() + PATIENCE
         self._wait = PATIENCE
         self.matched = False
@@ -96,6 +99,29 @@ class PeerDiscovery:
             self._lost_since = now
         elif now - self._lost_since > LOST:
             raise NodeError(f'{", ".join(sorted(lost))} left in mid-session, or cannot be reached any more')
+
+    def give_way(self) -> bool:
+        """Refuse another rig that is found only now; return False if it has to be looked again.
+
+        Nodes of one process find one another before DDS has found anybody else. Who has been in the domain for longer
+        than DDS takes to find everybody was there first, and goes on.
+
+        Raises
+        ------
+        NodeError
+            Someone else has this node's role, or that of one whom it reads.
+
+        """
+        if time.monotonic() - self._joined > DISCOVERY:
+            return True
+        clear = True
+        for topic in self._resolved:
+            writers = heard_writers(self._node, topic)
+            names = {end.node_name for end in writers}
+            if sum(end.node_name in writers_of(topic) for end in writers) > 1:
+                raise self._double(topic, writers)
+            clear = clear and UNKNOWN not in names
+        return clear
 
     def readers(self, topic: str) -> list[str]:
         """Return the names of the nodes that read a topic."""

@@ -1,6 +1,7 @@
 """Whoever else writes a numbered topic changes nothing and is named; where that cannot be told the run ends."""
 
 import random
+import select
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +26,7 @@ from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
+from kapitsa_ros.ros.peer_discovery import DISCOVERY
 from kapitsa_ros.ros.qos import LATCHED, STREAM, VIEW, message_class
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 from kapitsa_ros.units import RPM
@@ -172,7 +174,7 @@ def test_who_goes_on_in_a_nodes_place_ends_the_run(
             executor = SingleThreadedExecutor(context=stranger.context)
             executor.add_node(stranger)
             stranger.create_subscription(kind, STROBE_READING.name, hear, STREAM, raw=True)
-            eventually(lambda: executor.spin_once(0.1) or (said and said[-1].step > 20))
+            eventually(lambda: executor.spin_once(0.1) or (said and said[-1].step > 2 * DISCOVERY * 20))
             publisher = stranger.create_publisher(kind, STROBE_READING.name, 10)
             eventually(lambda: executor.spin_once(0.1) or publisher.get_subscription_count() == READERS + 1)
             for _ in range(1000):  # it has published more than the true one
@@ -219,3 +221,24 @@ def test_a_node_that_leaves_is_missed_whoever_bears_its_topics_name(
             eventually(lambda: stranger.count_publishers(STROBE_READING.name) == 2)
         with pytest.raises(RigError, match='strobe left in mid-session, or cannot be reached any more'):
             rig.wait_for('jigsaw/pivot', lambda _: False, PATIENCE)
+
+
+def test_a_second_rig_in_one_process_gives_way(
+    recorded: tuple[Path, dict[str, Any]], domain: int, observer: SessionMonitor, tmp_path: Path
+) -> None:
+    """Its nodes find one another before they can find those of the first."""
+    first = parameters(Setup(bags=tmp_path / 'A', rate=1.0))
+    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes:
+        while float(observer.wait_for_progress(PATIENCE)['simulated_s']) < 1.5 * DISCOVERY:
+            nodes.check()
+        for name in 'BC':
+            told = parameters(Setup(bags=tmp_path / name, rate=1.0))
+            with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
+                process = second['jigsaw']
+                assert select.select([process.sentinel], [], [], PATIENCE)[0]
+                assert process.status() == 1
+                assert 'a rig is there already' in process.last_error_lines()
+        while not nodes.wait(PATIENCE):
+            pass
+    for file in recorded[0].glob('*/*'):
+        assert (tmp_path / 'A' / file.relative_to(recorded[0])).read_bytes() == file.read_bytes()

@@ -9,7 +9,7 @@ import pytest
 from kapitsa_ros.network.registry import PIVOT, REQUIRED_NAMES, STROBE, STROBE_READING, readers_of, topic_named
 from kapitsa_ros.ros import peer_discovery
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.peer_discovery import LOST, PATIENCE, PeerDiscovery
+from kapitsa_ros.ros.peer_discovery import DISCOVERY, LOST, PATIENCE, PeerDiscovery
 from kapitsa_ros.ros.qos import STREAM
 
 
@@ -142,6 +142,23 @@ def test_what_only_bears_a_topics_name_is_no_second_writer(node: Node, peers: Pe
     complete(node)
     node.writers[PIVOT.name].append('passer_by of texts')
     assert peers.ready()
+    assert peers.give_way()
+
+
+def test_who_joined_a_moment_ago_gives_way_to_a_rig_that_it_finds_late(node: Node, peers: PeerDiscovery) -> None:
+    complete(node)
+    assert peers.ready()
+    assert peers.give_way()
+    node.now = DISCOVERY - 0.1
+    node.writers[PIVOT.name].append('_NODE_NAME_UNKNOWN_')
+    assert not peers.give_way()  # who that is will be known soon
+    node.writers[PIVOT.name][1:] = ['passer_by']
+    assert peers.give_way()  # what it says is refused
+    node.writers[PIVOT.name][1:] = ['jigsaw']
+    with pytest.raises(NodeError, match=r'2 nodes write jigsaw/pivot in domain 42: a rig is there already'):
+        peers.give_way()
+    node.now = DISCOVERY + 0.1
+    assert peers.give_way()
 
 
 def test_who_is_out_of_reach_is_given_up(node: Node, peers: PeerDiscovery) -> None:
