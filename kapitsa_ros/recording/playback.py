@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import count, groupby
 from typing import TYPE_CHECKING
 
 from kapitsa_ros.network.cdr import read_step_id
-from kapitsa_ros.network.registry import REPLAYED
+from kapitsa_ros.network.registry import COMMAND, REPLAYED
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.step_id import StepId
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from kapitsa_ros.network.run import Run
     from kapitsa_ros.recording.reader import RunBag
 
 
@@ -50,6 +52,24 @@ class Playback:
         """Of all runs together, s."""
         return sum(_duration(bag) for bag in self._bags)
 
+    def runs(self, end: float) -> list[Run]:
+        """Return what is played of the runs until a place, s; the last may be cut off there.
+
+        Raises
+        ------
+        BagError
+            A file is damaged.
+
+        """
+        found: list[Run] = []
+        before = 0.0
+        for bag in self._bags:
+            if before > end:
+                break
+            found.append(bag.run_before(_first_step_after(bag, before, end)))
+            before += _duration(bag)
+        return found
+
     def steps(self) -> Iterator[PlayedStep]:
         """Yield the steps of every run from the first on, and the end of each.
 
@@ -79,6 +99,16 @@ class Playback:
             if not step_id.end:
                 end = StepId(step_id.run, step_id.step + 1, end=True)
                 yield PlayedStep(index=next(number), id=end, stamp_ns=stamp, seconds=before, bag=bag, messages={})
+
+
+def _first_step_after(bag: RunBag, begin: float, end: float) -> float:
+    """Return the first step of a bag after a place, where the bag begins at another; infinity where there is none."""
+    after = (
+        read_step_id(raw).step
+        for _, stamp, raw in bag.raw(COMMAND.name)
+        if begin + (stamp - bag.first_stamp_ns) / SECOND > end
+    )
+    return next(after, math.inf)
 
 
 def _duration(bag: RunBag) -> float:

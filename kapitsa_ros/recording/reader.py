@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from itertools import islice
 from pathlib import Path
@@ -67,6 +68,17 @@ class RunBag(StoredRun):
             Nothing of a run is there, or a message is not what its topic promises.
 
         """
+        return self.run_before(math.inf)
+
+    def run_before(self, end: float) -> Run:
+        """Return the run as it was before a step.
+
+        Raises
+        ------
+        BagError
+            Nothing of a run is there, or a message is not what its topic promises.
+
+        """
         try:
             lacking = [role for role in described_by(REQUIRED_ROLES) if role not in self.settings]
             if lacking:
@@ -74,7 +86,7 @@ class RunBag(StoredRun):
             builder = RunBuilder(self.number, self.settings)
             present = [topic for topic in RUN_TOPICS if topic.name in self._index.present]
             count = 0
-            for step in self._steps([topic.name for topic in present]):
+            for step in self._steps([topic.name for topic in present], end=end):
                 builder.add(step[COMMAND], {topic: step[topic] for topic in READINGS if topic in step})
                 count += 1
         except (WireError, KeyError) as error:
@@ -82,7 +94,7 @@ class RunBag(StoredRun):
         if not count:
             why = f': {printable(self.integrity.defects[0])}' if self.integrity.defects else ''
             raise BagError(f'{self.path} holds no step of a run{why}')
-        return builder.build(complete=self.complete)
+        return builder.build(complete=self.complete and end == math.inf)
 
     @cached_property
     def settings(self) -> dict[str, dict[str, Any]]:

@@ -83,6 +83,8 @@ class Rig:
     RigError
         On entering: the domain is taken, or the rig is entered already. From any method: a node died, the message names
         it and its last lines; or the rig is not entered, or has been left, which `latest` alone allows.
+    NodeError
+        Once the nodes have left, and on leaving: of what was heard, somebody else has said some, too.
     TimeoutError
         From any method that waits: what was waited for did not come.
 
@@ -161,6 +163,8 @@ class Rig:
         stack, self._stack = self._stack, None
         if stack is not None:
             stack.__exit__(kind, error, trace)
+            if error is None:
+                self._client.refuse_disputed()
 
     @property
     def processes(self) -> dict[str, NodeProcess]:
@@ -268,7 +272,8 @@ class Rig:
         """Return the newest message on a topic of `wait_for`, read or not; None where there is none yet."""
         if not self._has_run:
             self._refuse_unless_running()
-        self._nodes.check()
+        if self._nodes.check():
+            self._client.refuse_disputed()
         self._client.check()
         return self._client.latest(_known(topic))
 
@@ -322,6 +327,8 @@ class Rig:
         while True:
             self._client.clear_news()
             self._client.check()
+            if ended:
+                self._client.refuse_disputed()
             value = found()
             if value is not None:
                 return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 import os
 from contextlib import AbstractContextManager, nullcontext, suppress
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from kapitsa_ros.address_space import OF_A_RIG, refuse_small_address_space
 from kapitsa_ros.analysis.assumptions import DEFAULT_ASSUMPTIONS
 from kapitsa_ros.analysis.experiment import reduce_runs
-from kapitsa_ros.analysis.results import run_values
+from kapitsa_ros.analysis.results import experiment_values, run_values
 from kapitsa_ros.configuration.playback_parameters import PlaybackParameters
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags, origin, recorded_values
 from kapitsa_ros.network.registry import PLAYER, REPLAY_NAMES, SESSION_MONITOR
@@ -19,7 +20,7 @@ from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
-from kapitsa_ros.rig.errors import UsageError
+from kapitsa_ros.rig.errors import RigError, UsageError
 from kapitsa_ros.rig.formation import Formation
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.preflight import prepare, refuse_unspeakable
@@ -28,11 +29,10 @@ from kapitsa_ros.rig.shared_memory import removing_stale_segments
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from kapitsa_ros.analysis.assumptions import Assumptions
-    from kapitsa_ros.recording.reader import RunBag
     from kapitsa_ros.rig.setup import Replay, Setup
     from kapitsa_ros.ros.time_control_client import TimeControlClient
 
@@ -50,10 +50,9 @@ LEAVING = 1.0
 def run_experiment(
     setup: Setup, on_progress: Progress, assumptions: Assumptions = DEFAULT_ASSUMPTIONS
 ) -> dict[str, Any]:
-    """Start the graph, carry out the protocol, record a bag a run, and analyse the runs.
+    """Start the graph, carry out the protocol, record a bag a run, and analyse the bags.
 
-    The analyser has done that already, from the messages that the bags hold; where it took other things for granted, a
-    bag lacks something, or says something else of its run, the bags are analysed.
+    The analyser has done that already; but who else writes in the domain may have said its result.
 
     Raises
     ------
@@ -63,6 +62,8 @@ def run_experiment(
         A run of that name is there already.
     RigError
         A node died.
+    NodeError
+        A second writer has said results of the analyser, too.
 
     """
     was_there = os.path.isdir(setup.bags)  # noqa: PTH112  # what cannot be looked at is refused with a reason below
@@ -78,10 +79,6 @@ def run_experiment(
     # Those of the protocol, and of runs that somebody reset.
     paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
-    bags = runs_of(paths) if assumptions == DEFAULT_ASSUMPTIONS else []
-    are_whole = bags and all(bag.complete and not bag.defects for bag in bags)
-    if are_whole and monitor.runs == [run_values(bag.run) for bag in bags]:
-        return _as_analysed(bags, monitor) | made
     return analyse_bags(paths, assumptions) | made
 
 
@@ -92,7 +89,7 @@ def replay_bags(
     on_result: Callable[[dict[str, Any]], None] | None = None,
     steered: Callable[[TimeControlClient], AbstractContextManager[None]] | None = None,
 ) -> dict[str, Any]:
-    """Play recorded runs through the graph, and let the analyser analyse them as they come.
+    """Play recorded runs through the graph, let the analyser analyse them as they come, and compare with the bags.
 
     Parameters
     ----------
@@ -116,23 +113,32 @@ def replay_bags(
     AddressSpaceError
         The shell allows less memory than nodes take.
     RigError
-        A node died.
+        A node died, or the result is not that of the bags.
+    NodeError
+        A second writer has said results of the analyser, too.
 
     """
     refuse_small_address_space(OF_A_RIG)
     bags = runs_of(paths)
     for bag in bags:
         bag.refuse_gaps()
-    reduce_runs([bag.run for bag in bags])  # what does not belong together is refused before anything starts
-    duration = Playback(bags).duration
+    whole = [bag.run for bag in bags]
+    experiment = reduce_runs(whole)  # what does not belong together is refused before anything starts
+    playback = Playback(bags)
+    duration = playback.duration
     if replay.part.start >= duration:
         raise UsageError(f'--start is {replay.part.start:g} s: the runs last {duration:g} s together')
 
+    is_whole = replay.part == PlaybackParameters()
+    runs = whole if is_whole else playback.runs(replay.part.end)
+    of_runs = [run_values(run) for run in runs]
+    of_all = experiment_values(experiment if is_whole else reduce_runs(runs))
+    made = {} if is_whole else {'played_s': [replay.part.start, min(replay.part.end, duration)]}
+
     def values(monitor: SessionMonitor) -> dict[str, Any]:
-        # A replay may be over before a report of its player has come.
-        factor = float(monitor.progress.get('realtime_factor', monitor.realtime_factor))
-        played = [] if replay.part == PlaybackParameters() else [replay.part.start, min(replay.part.end, duration)]
-        return _as_analysed(bags, monitor) | {'realtime_factor': factor} | ({'played_s': played} if played else {})
+        _refuse_others_results(monitor, of_runs, of_all)
+        told = [recorded_values(bag) | of_run for bag, of_run in zip(bags, of_runs, strict=False)]
+        return {'runs': told} | of_all | origin(whole) | {'realtime_factor': monitor.realtime_factor} | made
 
     def tell(monitor: SessionMonitor) -> None:
         if on_result is not None:
@@ -146,10 +152,15 @@ def replay_bags(
     return values(watch(REPLAY_NAMES, told, on_progress, tell, attended, composed=replay.composed))
 
 
-def _as_analysed(bags: Sequence[RunBag], monitor: SessionMonitor) -> dict[str, Any]:
-    """Return what the analyser has made of runs; those that were not played it does not know."""
-    runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=False)]
-    return {'runs': runs} | monitor.experiment | origin([bag.run for bag in bags])
+def _refuse_others_results(
+    monitor: SessionMonitor, of_runs: Sequence[Mapping[str, Any]], of_all: Mapping[str, Any]
+) -> None:
+    """Refuse a session whose results, as they came over the topic of the analyser, are not those of its bags."""
+    if [monitor.runs, monitor.experiment] != json.loads(json.dumps([of_runs, of_all])):
+        raise RigError(
+            'analyser/result is not what the bags say: somebody else writes in this domain; '
+            'choose another ROS_DOMAIN_ID, or stop it'
+        )
 
 
 def watch(

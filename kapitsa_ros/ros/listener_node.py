@@ -51,6 +51,8 @@ class ListenerNode:
         refuse_unreachable()
         self._domain = domain
         self._failure: BaseException | None = None
+        self._dispute: NodeError | None = None
+        """Of what was heard, that two have said it, and nobody can tell which is right."""
         self._context = Context()
         load_generator()
         try:
@@ -91,10 +93,17 @@ class ListenerNode:
             raise self._failure
 
     def fail(self, error: Exception) -> None:
-        """Keep what a callback has raised for whoever waits; what the nodes of the rig say themselves is theirs."""
-        if not isinstance(error, NodeError):
+        """Keep what a callback has raised for whoever waits; what is disputed the nodes of the rig say, if they can."""
+        if isinstance(error, NodeError):
+            self._dispute = self._dispute or error
+        else:
             self._failure = error
-            self.wake()
+        self.wake()
+
+    def refuse_disputed(self) -> None:
+        """Raise what is disputed, once the nodes of the rig have left and can no longer say it."""
+        if self._dispute is not None:
+            raise NodeError(f'{self._dispute}; choose another ROS_DOMAIN_ID, or stop it') from self._dispute
 
     def wake(self) -> None:
         """Make whoever waits for news look again; called from the listening thread."""

@@ -64,13 +64,16 @@ class SessionMonitor(ListenerNode):
 
         Raises
         ------
+        NodeError
+            A second writer has said some, too.
         TimeoutError
             They did not come.
 
         """
         with self._news:
-            came = self._news.wait_for(lambda: self.is_complete or self._failure, timeout)
+            came = self._news.wait_for(lambda: self.is_complete or self._failure or self._dispute, timeout)
             self.check()
+            self.refuse_disputed()
             if not came:
                 raise TimeoutError('the rig did not say that the session is over')
 
@@ -126,7 +129,7 @@ class SessionMonitor(ListenerNode):
         try:
             results = {} if RESULT.codec.is_silence(raw) else RESULT.decode(raw)
         except WireError:
-            return  # not the analyser's: it says nothing this cannot read
+            results = {}  # not the analyser's: it says nothing this cannot read
         with self._news:
             self._pace.count(stamp_of(raw) / SECOND)
             for name, values in results.items():

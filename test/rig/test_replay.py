@@ -32,6 +32,7 @@ from kapitsa_ros.network.registry import REPLAYED
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag
+from kapitsa_ros.rig import session
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.errors import RigError, UsageError
@@ -43,6 +44,7 @@ from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
 PATIENCE = 180.0
+FORGED = {'run': '1', 'simulated_s': '1.0', 'realtime_factor': '123456.0', 'session_over': 'False'}
 
 
 class Audience:
@@ -239,10 +241,17 @@ def test_settings_of_another_player_end_a_replay() -> None:
             audience.watch(lambda: nodes.wait(0.0))
 
 
+def test_a_result_that_is_not_of_the_bags_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whoever said it, and however: here the bags are others than those that are played."""
+    monkeypatch.setattr(session, 'runs_of', lambda _: [RunBag(SHIPPED[1])])
+    with pytest.raises(RigError, match=r'^analyser/result is not what the bags say: .*; choose another ROS_DOMAIN_ID'):
+        replay_bags(SHIPPED[:1], Replay(), lambda _: None)
+
+
 def test_a_replay_of_which_no_progress_was_heard_has_its_pace(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where it is over before the report of its player comes."""
-    monkeypatch.setattr(SessionMonitor, '_take_progress', lambda *_: None)
-    assert replay_bags(SHIPPED[:1], Replay(), lambda _: None)['realtime_factor'] > 0.0
+    """As where it is over before the report of its player comes, or somebody else reports in its name."""
+    monkeypatch.setattr(SessionMonitor, '_take_progress', lambda monitor, _: monitor.progress.update(FORGED))
+    assert 0.0 < replay_bags(SHIPPED[:1], Replay(), lambda _: None)['realtime_factor'] < 123456.0
 
 
 @pytest.mark.parametrize('rate', [0.0, 1000.0])

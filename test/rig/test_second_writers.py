@@ -2,6 +2,8 @@
 
 import random
 import select
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +11,7 @@ from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from domain_of_process import domain_of
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -18,7 +21,7 @@ from std_msgs.msg import String
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.network.cdr import encode_header, read_step_id
-from kapitsa_ros.network.registry import COMMAND, ROLE_NAMES, STOPWATCH_READING, STROBE_READING, TOPICS
+from kapitsa_ros.network.registry import COMMAND, RESULT, ROLE_NAMES, STOPWATCH_READING, STROBE_READING, TOPICS
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
@@ -38,6 +41,7 @@ READING = ('operator', 'analyser', 'recorder')
 READERS = len(READING) + 1
 """Of strobe/reading: with the client of the program."""
 
+SHIPPED = sorted(path.parent for path in (Path(__file__).parents[2] / 'bags').glob('*/metadata.yaml'))
 WELL_FORMED = {
     COMMAND: Command(speed=200.0, hold=None),
     STROBE_READING: StrobeReading(time=1.0, speed=200.0),
@@ -106,6 +110,62 @@ class Stranger:
         self._executor.shutdown()
         self._node.destroy_node()
         self._context.try_shutdown()
+
+
+class Forger:
+    """Says that the session is over with a result of its own, once the analyser has said that of the last run."""
+
+    def __init__(self, domain: int, last_run: int) -> None:
+        self._last_run = last_run
+        self._context = Context()
+        self._context.init(domain_id=domain)
+        self._node = Node('forger', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self._node)
+        self._out: Any = None
+        self._node.create_subscription(message_class(RESULT.type), RESULT.name, self._hear, STREAM, raw=True)
+        self.has_spoken = False
+
+    def _hear(self, raw: bytes, info: dict[str, Any]) -> None:
+        if self._out is None and read_step_id(raw).step > 5:  # earlier, it would be refused
+            self._out = self._node.create_publisher(message_class(RESULT.type), RESULT.name, STREAM)
+        if not self.has_spoken and read_step_id(raw).end and read_step_id(raw).run == self._last_run:
+            for _ in range(info['publication_sequence_number']):
+                self._out.publish(b'\x00\x01\x00\x00')
+            end = StepId(self._last_run + 1, 0, end=True)
+            self._out.publish(RESULT.encode(end.run * DAY, end, {'experiment': {'omega_crit_rpm': 9999.0}}))
+            self.has_spoken = True
+
+    def listen(self) -> None:
+        self._executor.spin_once(timeout_sec=0.02)
+
+    def close(self) -> None:
+        self._executor.shutdown()
+        self._node.destroy_node()
+        self._context.try_shutdown()
+
+
+@pytest.mark.parametrize('command', ['replay', 'experiment'])
+def test_a_result_of_a_stranger_is_never_printed(
+    command: str, tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    """It said 9999 RPM with status 0, in the time that the analyser took for its own."""
+    given = [str(SHIPPED[0])] if command == 'replay' else ['--bags', str(tmp_path / 'bags')]
+    rig = [sys.executable, '-m', 'kapitsa_ros', command, *given, '--rate', '10', '--json']
+    with subprocess.Popen(rig, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        eventually(lambda: domain_of(process.pid) is not None)
+        with on_loopback():
+            forger = Forger(domain_of(process.pid) or 0, last_run=1 if command == 'replay' else 3)
+        try:
+            eventually(lambda: forger.listen() or forger.has_spoken or process.poll() is not None)
+            out, err = process.communicate()
+        finally:
+            forger.close()
+    assert forger.has_spoken, (process.returncode, out, err)
+    assert (process.returncode, out) == (1, ''), err
+    last = err.strip().splitlines()[-1]
+    assert 'analyser/result' in last
+    assert 'Traceback' not in err
 
 
 def test_strangers_change_nothing_and_are_named(

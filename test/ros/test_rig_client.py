@@ -13,7 +13,9 @@ from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.network.cdr import encode_header
 from kapitsa_ros.network.registry import STROBE_READING
 from kapitsa_ros.network.step_id import StepId
+from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.rig_client import RigClient
 
@@ -29,6 +31,37 @@ def test_a_client_that_cannot_be_made_leaves_no_descriptor() -> None:
     with pytest.raises(RuntimeError, match='Domain id'):
         RigClient(-5)
     assert eventfds() == before
+
+
+def test_what_two_have_said_is_told_on_leaving_a_rig(eventually: Callable[[Callable[[], Any]], None]) -> None:
+    """No node of the rig has heard it."""
+
+    topic, context = STROBE_READING.name, Context()
+    nodes: list[Node] = []
+
+    def writer_of(name: str) -> Any:
+        nodes.append(Node(name, context=context))
+        publisher = nodes[-1].create_publisher(message_class(STROBE_READING.type), topic, STREAM)
+        eventually(publisher.get_subscription_count)
+        return publisher
+
+    def say(writer: Any, step: int, speed: float) -> None:
+        writer.publish(STROBE_READING.encode(1, StepId(1, step), StrobeReading(time=0.1, speed=speed)))
+        assert writer.wait_for_all_acked()
+
+    def use(rig: Rig) -> None:
+        with on_loopback():
+            context.init(domain_id=rig.domain)
+        strobe = writer_of('strobe')
+        say(strobe, 0, 200.0)
+        say(writer_of('stranger'), 0, 300.0)
+        say(strobe, 1, 250.0)
+        rig.wait_for(topic, lambda reading: reading.speed == pytest.approx(250.0))
+
+    said = r'^strobe/reading has a second writer, stranger: .*ROS_DOMAIN_ID'
+    with pytest.raises(NodeError, match=said), Rig(nodes=['jigsaw']) as rig:
+        use(rig)
+    context.try_shutdown()
 
 
 def test_messages_of_strangers_are_left_out(domain: int, eventually: Callable[[Callable[[], Any]], None]) -> None:

@@ -1,12 +1,20 @@
 """A watcher of the graph says what has gone wrong with it, and not something else."""
 
+from collections.abc import Callable
 from threading import Event
+from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from kapitsa_ros.network.cdr import encode_header
+from kapitsa_ros.network.registry import RESULT
+from kapitsa_ros.network.step_clock import DAY
+from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.listener_node import ListenerNode
+from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 REPORT = {'run': '1', 'simulated_s': '0.5', 'realtime_factor': '2.0', 'session_over': 'False'}
@@ -25,6 +33,22 @@ class Speaker(ListenerNode):
         for report in self._reports:
             values = [KeyValue(key=key, value=value) for key, value in report.items()]
             self._out.publish(DiagnosticArray(status=[DiagnosticStatus(name='jigsaw: progress', values=values)]))
+
+
+class Writer(ListenerNode):
+    """Says results."""
+
+    def __init__(self, name: str, domain: int) -> None:
+        super().__init__(name, domain)
+        self._out = self._node.create_publisher(message_class(RESULT.type), RESULT.name, STREAM)
+
+    @property
+    def is_heard(self) -> bool:
+        return self._out.get_subscription_count() > 0
+
+    def say(self, raw: bytes) -> None:
+        self._out.publish(raw)
+        assert self._out.wait_for_all_acked()
 
 
 def test_an_exception_in_a_callback_reaches_whoever_waits(domain: int) -> None:
@@ -70,6 +94,25 @@ def test_an_error_of_the_body_is_not_replaced_by_that_of_a_callback(domain: int)
         monitor, speaker = SessionMonitor(domain, break_off), Speaker(domain)
     with speaker, pytest.raises(KeyError, match='of the body'):
         listen()
+
+
+@pytest.mark.parametrize('forged', [b'', b'\xff' * 64], ids=['well formed', 'nonsense'])
+def test_a_result_that_two_have_said_is_disputed(
+    domain: int, eventually: Callable[[Callable[[], Any]], None], forged: bytes
+) -> None:
+    """A stranger's came first, in the second in which the analyser was at work on its own, and was believed."""
+    with on_loopback():
+        monitor, analyser, stranger = SessionMonitor(domain), Writer('analyser', domain), Writer('stranger', domain)
+    with monitor, analyser, stranger:
+        eventually(lambda: analyser.is_heard)
+        analyser.say(RESULT.codec.encode_silence(DAY, StepId(1, 0)))
+        eventually(lambda: stranger.is_heard)
+        stranger.say(b'')  # its next is the second, as the next of the analyser
+        end = StepId(1, 1, end=True)
+        stranger.say(encode_header(DAY, end) + forged if forged else RESULT.encode(DAY, end, {'run 1': {}}))
+        analyser.say(RESULT.encode(DAY, end, {'run 1': {'fell': True}}))
+        with pytest.raises(NodeError, match=r'^analyser/result has a second writer, stranger: .*ROS_DOMAIN_ID'):
+            monitor.wait_for_end(timeout=180)
 
 
 def test_what_is_no_report_of_progress_is_passed_over(domain: int) -> None:
