@@ -57,7 +57,7 @@ def measured(repetitions: int, *, composed: bool) -> tuple[float, int, float]:
     with tempfile.TemporaryDirectory() as folder:
         setup = Setup(protocol=write_protocol(folder, repetitions), bags=Path(folder, 'bags'))
         with fork_server():
-            monitor = watch(ROLE_NAMES, parameters(setup), lambda _: None, composed=composed)
+            monitor, _ = watch(ROLE_NAMES, parameters(setup), lambda _: None, composed=composed)
         cpu = cpu_of_children() - before
         steps = sum(len(list(RunBag(bag).raw(PIVOT.name))) for bag in setup.bags.iterdir())
     return cpu, steps, monitor.realtime_factor

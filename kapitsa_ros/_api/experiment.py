@@ -45,10 +45,13 @@ class ExperimentResult:
     """Exact threshold of the plant that was simulated."""
     realtime_factor: float
     """Simulated over wall seconds."""
+    reset_runs: tuple[int, ...]
+    """Numbers of the runs that a call of the service `jigsaw/reset` has cut short."""
     values: Mapping[str, Any]
     """All of it under the names of the command's JSON, speeds in RPM."""
 
     def __repr__(self) -> str:
+        reset = {'reset_runs': ', '.join(map(str, self.reset_runs))} if self.reset_runs else {}
         return describe(
             f'ExperimentResult: {counted(len(self.bags), "run")}, {self.realtime_factor:.0f} times real time',
             speeds_read=speeds_text(self.speed_reading[np.isfinite(self.speed_reading)]),
@@ -58,6 +61,7 @@ class ExperimentResult:
             predicted=speed_text(self.predicted),
             truth=speed_text(self.truth),
             beyond_stated_uncertainty=_percent(self.values['discrepancy_percent']),
+            **reset,
         )
 
     def to_pandas(self) -> pd.DataFrame:
@@ -161,6 +165,7 @@ def experiment(
         predicted=values['predicted_rpm'] * RPM,
         truth=_speed(values['truth_rpm']),
         realtime_factor=values['realtime_factor'],
+        reset_runs=tuple(values.get('reset_runs', ())),
         values=values,
     )
 

@@ -131,6 +131,7 @@ class JigsawNode(DataflowNode):
         if self._next.step:
             self._commands.clear()
             self._cut_short = self._next.run
+            self.get_logger().info(f'run {self._next.run} is reset before step {self._next.step}, by jigsaw/reset')
             self._end_run(StepId(self._next.run, self._next.step, end=True))
         answer.success, answer.message = True, str(self._next)
         return answer

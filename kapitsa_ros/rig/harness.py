@@ -301,6 +301,12 @@ class Rig:
         self._control.reset()
 
     @property
+    def reset_runs(self) -> tuple[int, ...]:
+        """Numbers of the runs that a reset has ended, whoever in the domain has called for it."""
+        self._refuse_unless_running()
+        return tuple(self._nodes.reset_runs())
+
+    @property
     def _control(self) -> SimulationControl:
         self._refuse_unless_running()
         return SimulationControl(self._client, lambda found, what: self._until(found, PATIENCE, what))

@@ -110,6 +110,10 @@ class NodeGroup:
         """Return which nodes wait for a reader of what they say, or did, and what they said of it."""
         return [f'{role}: {what}' for process in self._processes for role, what in process.held_up.items()]
 
+    def reset_runs(self) -> list[int]:
+        """Return the numbers of the runs that were reset, whoever called for it."""
+        return [run for process in self._processes for run in process.reset_runs()]
+
     def refuse_leavers(self, patience: float) -> None:
         """Refuse that a node ended of itself, as after a signal, while others still need it.
 

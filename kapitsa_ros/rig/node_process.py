@@ -28,7 +28,9 @@ _REFUSED = re.compile(rf'{_SAYS}(refused: .+ \(\d+ so far\))$')
 _HELD_UP = re.compile(rf'{_SAYS}(\S+ (?:is full|has not been taken): .+)$')
 _JOINED, _WAITING = re.compile(rf'{_SAYS}joins domain \d+$'), re.compile(rf'{_SAYS}waiting for (.+) in domain \d+')
 _FOUND = re.compile(rf'{_SAYS}waits for nobody any more$')
-"""Lines of a node: that it is there, for whom it waits; above, that it has refused something, or is held up."""
+_RESET = re.compile(rf'{_SAYS}run (\d+) is reset before step \d+, by jigsaw/reset$')
+"""Lines of a node: that it is there, for whom it waits, that it was reset; above, that it has refused something, or is
+held up."""
 _FAILED = re.compile(r'(\w+): error: (.*)')
 
 
@@ -59,6 +61,7 @@ class NodeProcess:
         self._joined: set[str] = set()
         self.waits: dict[str, str] = {}
         """For whom each role waits, as it last said."""
+        self._reset_runs: list[int] = []
         self.refused: dict[str, str] = {}
         """What each role has last refused, of another writer if it had to do with one, and how often it did."""
         self.held_up: dict[str, str] = {}
@@ -120,6 +123,12 @@ class NodeProcess:
             return errors[-1][1], errors[-1][2]
         return self.name, '; '.join([line for line in lines if not line.startswith('[INFO]')][-3:])
 
+    def reset_runs(self) -> list[int]:
+        """Return the numbers of the runs that were reset, as its node that owns time has said."""
+        if self.status() is not None:
+            self._reader.join(timeout=1.0)
+        return list(self._reset_runs)
+
     def wait_for_line(self, text: str, timeout: float) -> bool:
         """Wait for a line on stderr that contains a text; return False if none comes in time."""
         with self._news:
@@ -148,6 +157,8 @@ class NodeProcess:
     def _note(self, line: str) -> None:
         if joined := _JOINED.search(line):
             self._joined.add(joined[1])
+        elif reset := _RESET.search(line):
+            self._reset_runs.append(int(reset[2]))
         elif refused := _REFUSED.search(line):
             role, text = refused.groups()
             if _OTHER in text or _OTHER not in self.refused.get(role, ''):

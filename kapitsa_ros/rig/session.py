@@ -70,7 +70,7 @@ def run_experiment(
     prepare(setup)
     others = set(setup.bags.glob('run_*'))
     try:
-        monitor = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
+        monitor, reset = watch(setup.roles, parameters(setup), on_progress, composed=setup.composed)
     except BaseException:
         if not was_there:
             with suppress(OSError):  # there are runs in it
@@ -79,7 +79,7 @@ def run_experiment(
     # Those of the protocol, and of runs that somebody reset.
     paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
     made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
-    return analyse_bags(paths, assumptions) | made
+    return analyse_bags(paths, assumptions) | made | ({'reset_runs': reset} if reset else {})
 
 
 def replay_bags(
@@ -149,7 +149,7 @@ def replay_bags(
 
     told = replay_parameters(paths, replay)
     refuse_unspeakable(told)
-    return values(watch(REPLAY_NAMES, told, on_progress, tell, attended, composed=replay.composed))
+    return values(watch(REPLAY_NAMES, told, on_progress, tell, attended, composed=replay.composed)[0])
 
 
 def _refuse_others_results(
@@ -171,8 +171,11 @@ def watch(
     attended: Callable[[SessionMonitor], AbstractContextManager[None]] = lambda _: nullcontext(),
     *,
     composed: bool = False,
-) -> SessionMonitor:
-    """Run a graph until its nodes have left, and return its monitor; tell when its session is over."""
+) -> tuple[SessionMonitor, list[int]]:
+    """Run a graph until its nodes have left; return its monitor, and which runs were reset.
+
+    Tell when its session is over.
+    """
     told = False
     with removing_stale_segments(), reserved_domain() as domain:
         with on_loopback():
@@ -202,4 +205,15 @@ def watch(
                 on_end(monitor)
             for line in nodes.refusals():
                 _LOG.warning('kapitsa: warning: %s', line)
-    return monitor
+            reset = nodes.reset_runs()
+            if reset:
+                _LOG.warning('kapitsa: warning: %s', _reset_text(reset))
+    return monitor, reset
+
+
+def _reset_text(runs: Sequence[int]) -> str:
+    which = f'run {runs[0]} was' if len(runs) == 1 else f'runs {", ".join(map(str, runs))} were'
+    return (
+        f'{which} cut short by a call of the service jigsaw/reset: what was timed by then counts, and later runs have '
+        'other numbers, and with them other chance, than without'
+    )

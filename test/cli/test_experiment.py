@@ -144,7 +144,10 @@ def test_a_run_that_somebody_resets_is_listed_and_done_again(tmp_path: Path) -> 
         out, err = process.communicate(timeout=100)
         assert answered.result().success
     assert process.returncode == 0, err
-    runs = json.loads(out)['runs']
+    values = json.loads(out)
+    assert values['reset_runs'] == [1]
+    assert 'kapitsa: warning: run 1 was cut short by a call of the service jigsaw/reset: what was timed' in err
+    runs = values['runs']
     assert [Path(run['bag']).name for run in runs] == ['run_01_2240rpm', 'run_02_2240rpm']
     assert [run['period_s'] is None for run in runs] == [True, False]
 

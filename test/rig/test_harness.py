@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -369,7 +370,9 @@ def test_six_rigs_at_once_start_and_stop_ten_times(shared_memory_of: Callable[..
         assert not [segment for _, segments in left for segment in segments if segment.exists()]
 
 
-def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
+def test_rigs_side_by_side_and_a_reset_of_a_protocol(
+    tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
     """A protocol's run that was reset is done again, at the same speed."""
     protocol = tmp_path / 'one.yaml'
     protocol.write_text('speeds: [2240]')
@@ -377,6 +380,7 @@ def test_rigs_side_by_side_and_a_reset_of_a_protocol(tmp_path: Path) -> None:
         assert one.domain != two.domain
         one.wait_for('pendulum/motion', timeout=PATIENCE)
         one.reset()
+        eventually(lambda: one.reset_runs == (1,))
         one.set_rate(0)
         two.request_speed(2500)
         one.wait_for('analyser/result', lambda result: 'experiment' in result, timeout=PATIENCE)
