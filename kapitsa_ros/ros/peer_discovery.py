@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 DISCOVERY = 3.0
 """Seconds for which DDS announces a node often (see config/loopback.xml): then all who are there know of it."""
+_PREFIX = 12
+"""Bytes of the id of an end that are its participant's (RTPS specification, 9.3.1)."""
 LOST = 3.0
 """Seconds for which a peer has been out of reach when it is given up; DDS waits for 20 s before it tells of that."""
 PATIENCE = 3.0
@@ -41,7 +43,10 @@ class PeerDiscovery:
         self._reads = tuple(reads)
         self._resolved = {topic: node.resolve_topic_name(topic.name) for topic in (*self._writes, *self._reads)}
         """Names on the graph: they may be remapped."""
+        self._expected = expected
         self._joined = time.monotonic()
+        self._is_by_itself = False
+        """Whether all peers are of this process, which needs no DDS to find them."""
         self._next_line = time.monotonic() + PATIENCE
         self._wait = PATIENCE
         self.matched = False
@@ -62,6 +67,7 @@ class PeerDiscovery:
         missing = self._missing()
         if not missing:
             self.matched = True
+            self._is_by_itself = len(self._participants()) == 1
             if self._wait > PATIENCE:  # whoever has read for whom it waits has to know that it no longer does
                 self._node.get_logger().info('waits for nobody any more')
         elif time.monotonic() > self._next_line:
@@ -103,8 +109,8 @@ class PeerDiscovery:
     def give_way(self) -> bool:
         """Refuse another rig that is found only now; return False if it has to be looked again.
 
-        Nodes of one process find one another before DDS has found anybody else. Who has been in the domain for longer
-        than DDS takes to find everybody was there first, and goes on.
+        Nodes of one process find one another before DDS has found anybody else; between processes it finds all alike.
+        Who has been in the domain for longer than that takes was there first, and goes on.
 
         Raises
         ------
@@ -112,7 +118,7 @@ class PeerDiscovery:
             Someone else has this node's role, or that of one whom it reads.
 
         """
-        if time.monotonic() - self._joined > DISCOVERY:
+        if not self._is_by_itself or time.monotonic() - self._joined > DISCOVERY:
             return True
         clear = True
         for topic in self._resolved:
@@ -132,6 +138,12 @@ class PeerDiscovery:
         for topic, wanted in self._writes.items():
             missing |= wanted - set(self.readers(topic.name))
         return missing
+
+    def _participants(self) -> set[bytes]:
+        """Return the ids of the participants of DDS, one a process, that have the peers of this node."""
+        ends = [end for topic in self._resolved for end in self._node.get_publishers_info_by_topic(topic.name)]
+        ends += [end for topic in self._writes for end in self._node.get_subscriptions_info_by_topic(topic.name)]
+        return {bytes(end.endpoint_gid[:_PREFIX]) for end in ends if end.node_name in self._expected}
 
     def _unwritten(self) -> set[str]:
         """Return who would write the topics that this node reads, and is not there."""

@@ -18,13 +18,17 @@ class Node:
 
     def __init__(self) -> None:
         self.readers, self.writers, self.lines, self.now = {}, {}, [], 0.0
+        self.processes: dict[str, int] = {}
         self.context = SimpleNamespace(get_domain_id=lambda: 42)
 
     def monotonic(self) -> float:
         return self.now
 
     def get_subscriptions_info_by_topic(self, topic: str):
-        return [SimpleNamespace(node_name=name) for name in self.readers.get(topic, ())]
+        return [SimpleNamespace(node_name=name, endpoint_gid=self.gid(name)) for name in self.readers.get(topic, ())]
+
+    def gid(self, name: str) -> list[int]:
+        return [self.processes.get(name, 0)] * 16
 
     def get_publishers_info_by_topic(self, topic: str):
         return [
@@ -32,6 +36,7 @@ class Node:
                 node_name=name.removesuffix(' of texts'),
                 topic_type='std_msgs/msg/String' if name.endswith(' of texts') else topic_named(topic).type,
                 qos_profile=STREAM,
+                endpoint_gid=self.gid(name),
             )
             for name in self.writers.get(topic, ())
         ]
@@ -158,6 +163,16 @@ def test_who_joined_a_moment_ago_gives_way_to_a_rig_that_it_finds_late(node: Nod
     with pytest.raises(NodeError, match=r'2 nodes write jigsaw/pivot in domain 42: a rig is there already'):
         peers.give_way()
     node.now = DISCOVERY + 0.1
+    assert peers.give_way()
+
+
+def test_who_has_found_another_process_has_found_all_and_does_not_give_way_to_one_that_comes(
+    node: Node, peers: PeerDiscovery
+) -> None:
+    complete(node)
+    node.processes['recorder'] = 1
+    assert peers.ready()
+    node.writers[PIVOT.name].append('jigsaw')
     assert peers.give_way()
 
 
