@@ -53,7 +53,7 @@ def replacing(path: Path) -> Iterator[Path]:
 
     """
     if path.exists() and not path.is_file():  # before its links are followed: a pipe has no path in the end
-        with open(os.memfd_create('draft'), 'rb') as memory:  # noqa: PTH123
+        with open(os.memfd_create('draft'), 'rb') as memory, _naming(path):  # noqa: PTH123
             yield Path(f'/proc/self/fd/{memory.fileno()}')
             with path.open('wb') as file:  # once: whoever reads a pipe leaves where it is closed
                 shutil.copyfileobj(memory, file)
@@ -64,7 +64,19 @@ def replacing(path: Path) -> Iterator[Path]:
     # A folder beside the file, and the file's own name in it: writers look at suffixes, and umask sets the mode.
     with tempfile.TemporaryDirectory(prefix='.', dir=path.parent) as folder:
         draft = Path(folder) / path.name
-        yield draft
+        with _naming(path):
+            yield draft
         if path.exists():
             shutil.copymode(path, draft)
         draft.replace(path)
+
+
+@contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Let an error of the system tell the file, which it does not know while it is written."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno is None or error.filename is not None:
+            raise
+        raise OSError(error.errno, os.strerror(error.errno), str(path)) from error

@@ -7,6 +7,7 @@ import os
 import sys
 from importlib import import_module
 from pkgutil import iter_modules
+from typing import NoReturn
 
 import click
 
@@ -48,6 +49,19 @@ def kapitsa() -> None:
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')
 
 
+_MENDS = {
+    errno.EAGAIN: ': allow more processes and threads, with ulimit -u',
+    errno.EDQUOT: ': make room there',
+    errno.EFBIG: ': allow larger files, with ulimit -f',
+    errno.EMFILE: ': allow more, with ulimit -n',
+    errno.ENOSPC: ': make room there',
+    errno.EROFS: ': give a place that can be written',
+}
+"""What to do where the system refuses something."""
+_NO_THREAD = "can't start new thread"
+"""As Python says it, by no error of its own."""
+
+
 def main() -> None:
     """Run the command line: one line on stderr and status 2 for wrong input, 1 for work that failed."""
     keep_streams_open()
@@ -66,26 +80,37 @@ def main() -> None:
         _leave(error.format_message(), WRONG_INPUT)
     except KapitsaError as error:
         _leave(str(error), error.exit_status)
-    except OSError as error:
-        if isinstance(error, BrokenPipeError):
-            # Whoever read the output has left; the interpreter would complain once more when it flushes.
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            sys.exit(FAILED)
-        _leave(f'{error}{_mend(error)}', FAILED)
-    except MemoryError as error:
-        _leave(f'{error or "the memory is used up"}: ask for less at once (a shorter run, fewer samples)', FAILED)
-    except Interrupt as interrupt:
-        _leave('interrupted', interrupt.status)
     except click.exceptions.Exit as leave:
         sys.exit(leave.exit_code)
+    except (OSError, RuntimeError, MemoryError) as error:
+        _leave_refused(error)
+    except Interrupt as interrupt:
+        _leave('interrupted', interrupt.status)
     finally:
         forget_interrupts()
 
 
+def _leave_refused(error: OSError | RuntimeError | MemoryError) -> None:
+    """End with a line on what the system has refused; a RuntimeError of another kind is a defect."""
+    if isinstance(error, BrokenPipeError):
+        # Whoever read the output has left; the interpreter would complain once more when it flushes.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FAILED)
+    if isinstance(error, OSError):
+        _leave(f'{error}{_mend(error)}', FAILED)
+    if isinstance(error, MemoryError):
+        _leave(f'{error or "the memory is used up"}: ask for less at once (a shorter run, fewer samples)', FAILED)
+    if str(error) != _NO_THREAD:
+        raise error
+    _leave(f'{error}{_MENDS[errno.EAGAIN]}', FAILED)
+
+
 def _mend(error: OSError) -> str:
     """Return what to do where the system does not say of what it complains."""
-    if error.errno == errno.EMFILE:
-        return ': allow more, with ulimit -n'
+    if isinstance(error, BlockingIOError) and hasattr(error, 'characters_written'):  # of a stream, not of a process
+        return ''
+    if error.errno in _MENDS:
+        return _MENDS[error.errno]
     if error.errno == errno.ENOENT and error.filename is None:
         try:
             os.getcwd()  # noqa: PTH109  # that it can be had is what is asked
@@ -94,7 +119,7 @@ def _mend(error: OSError) -> str:
     return ''
 
 
-def _leave(message: str, status: int) -> None:
+def _leave(message: str, status: int) -> NoReturn:
     line = showable(f'kapitsa: error: {message}', sys.stderr.encoding)  # what is written out is longer
     print(shorten(line), file=sys.stderr)
     sys.exit(status)

@@ -58,6 +58,7 @@ MACHINES = {
     'address space of 150 MB': Machine('ulimit -v 150000 && exec "$@"', works=False),
     'address space of 1.2 GB': Machine('ulimit -v 1200000 && exec "$@"', works=None),
     'SIGCHLD ignored': Machine('trap "" CHLD && exec "$@"'),
+    'no more processes': Machine(f'exec prlimit --nproc=1 {NOBODY.removeprefix("exec ")}', wants_root=True, works=None),
     'umask 077': Machine('umask 077 && exec "$@"'),
     'umask 777': Machine('umask 777 && exec "$@"', works=None),
     'locale C': Machine(environment={'LC_ALL': 'C', 'PYTHONUTF8': '0', 'PYTHONCOERCECLOCALE': '0'}),

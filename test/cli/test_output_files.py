@@ -50,8 +50,9 @@ def full_disk() -> Iterator[None]:
 
 def fails_to_write(write: Callable[[], object], file: Path) -> None:
     file.write_text('old', encoding='utf-8')
-    with full_disk(), pytest.raises(OSError, match=r'too large|requested and'):
+    with full_disk(), pytest.raises(OSError, match=r'too large|requested and') as failure:
         write()
+    assert failure.value.errno is None or failure.value.filename == str(file)
     assert file.read_text(encoding='utf-8') == 'old'
     assert list(file.parent.iterdir()) == [file]
 

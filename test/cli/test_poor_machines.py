@@ -48,13 +48,51 @@ def test_no_work_fails_of_what_is_said_on_stderr() -> None:
 def test_a_result_that_cannot_be_written_is_no_success() -> None:
     done = in_shell('>/dev/full', 'theory', '--speed', '2240', '--json')
     assert done.returncode == 1
-    assert done.stderr == 'kapitsa: error: [Errno 28] No space left on device\n'
+    assert done.stderr == 'kapitsa: error: [Errno 28] No space left on device: make room there\n'
 
 
 def test_a_result_that_nobody_could_see_is_not_worked_out() -> None:
     done = in_shell('>&-', 'theory', '--speed', '2240')
     assert done.returncode == 2
     assert done.stderr == 'kapitsa: error: stdout is closed: redirect it, to /dev/null if nothing shall be shown\n'
+
+
+def without_processes(program: str, stderr: int = subprocess.PIPE) -> subprocess.CompletedProcess[str]:
+    """Run a program that is all its user may run; root may run as much as it likes."""
+    if os.geteuid() != 0 or not (shutil.which('setpriv') and shutil.which('prlimit')):
+        pytest.skip('another user is made by root')
+    user = ['setpriv', '--reuid=54322', '--regid=54322', '--clear-groups', '--inh-caps=-all,+dac_read_search']
+    user += ['--ambient-caps=-all,+dac_read_search', '--bounding-set=-all,+dac_read_search']
+    command = ['prlimit', '--nproc=1', *user, sys.executable, '-c', program]
+    return subprocess.run(
+        command, env=os.environ | {'TERM': 'xterm'}, stdout=subprocess.PIPE, stderr=stderr, text=True, timeout=120,
+        check=False,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize('start', ['threading.Thread(target=print).start()', 'os.fork()'])
+def test_too_few_processes_are_said(start: str) -> None:
+    done = without_processes(
+        f'import os, threading\nfrom kapitsa_ros.cli import main\nmain.kapitsa.main = lambda **_: {start}\nmain.main()'
+    )
+    assert (done.returncode, done.stdout) == (1, '')
+    assert done.stderr.startswith('kapitsa: error: ')
+    assert done.stderr.endswith(': allow more processes and threads, with ulimit -u\n')
+    assert done.stderr.count('\n') == 1
+
+
+def test_no_work_fails_for_want_of_a_thread_that_shows_it() -> None:
+    ours, theirs = os.openpty()
+    done = without_processes(
+        'from kapitsa_ros.cli.progress import counted_off, shown_progress, shown_stages\n'
+        'with shown_stages() as show: show("at work")\n'
+        'with shown_progress(1) as show: show({"run": "1", "simulated_s": "1", "realtime_factor": "1"})\n'
+        'print(sum(counted_off(iter([1, 2]), "numbers", 2)))',
+        theirs,
+    )
+    os.close(theirs)
+    os.close(ours)
+    assert (done.returncode, done.stdout) == (0, '3\n')
 
 
 def test_a_current_folder_that_is_gone_is_named(tmp_path: Path) -> None:

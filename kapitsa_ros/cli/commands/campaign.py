@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
-from rich.console import Console
-from rich.progress import track
 
 from kapitsa_ros._api.campaign import campaign as call
 from kapitsa_ros.cli.options import assumption_option, instrument_options, json_option, plant_options, print_json
+from kapitsa_ros.cli.progress import counted_off
 from kapitsa_ros.cli.terminal import say, show_table
 from kapitsa_ros.configuration.campaign_ranges import load_ranges
 from kapitsa_ros.configuration.protocols import load_protocol
@@ -120,7 +119,7 @@ def _refuse_what_is_varied(ranges: Path) -> None:
 
 
 def _progress(stream: Iterator[Outcome], total: int) -> Iterable[Outcome]:
-    return track(stream, 'experiments', total, console=Console(stderr=True), transient=True)
+    return counted_off(stream, 'experiments', total)
 
 
 def _show_one_point(result: CampaignResult, plant: Plant, speeds: list[str]) -> None:
