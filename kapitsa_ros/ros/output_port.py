@@ -8,8 +8,8 @@ from contextlib import suppress
 
 OUTPUT_PORT = 7399
 """`output_port` in config/loopback.xml and config/static_peers.xml."""
-_holders: list[socket.socket] = []
-"""The socket of this process, once it has one."""
+_holders: list[int] = []
+"""The descriptor of this process's socket, once it has one; the system closes it."""
 
 
 def hold_output_port() -> None:
@@ -24,12 +24,12 @@ def hold_output_port() -> None:
     holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
     with suppress(OSError):  # another user's rig holds it: it is taken all the same
         holder.bind(('127.0.0.1', OUTPUT_PORT))
-    _holders.append(holder)
+    _holders.append(holder.detach())
 
 
 def _let_go() -> None:
     while _holders:
-        _holders.pop().close()
+        os.close(_holders.pop())
 
 
 os.register_at_fork(after_in_child=_let_go)  # whose files are closed: it holds the port itself

@@ -2,6 +2,8 @@
 
 import re
 import socket
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -22,3 +24,9 @@ def test_it_is_taken_for_who_does_not_share_it(address: str) -> None:
     hold_output_port()
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other, pytest.raises(OSError, match='in use'):
         other.bind((address, OUTPUT_PORT))
+
+
+def test_python_is_not_told_of_a_socket_that_nobody_closed() -> None:
+    program = 'from kapitsa_ros.ros.output_port import hold_output_port; hold_output_port()'
+    done = subprocess.run([sys.executable, '-W', 'error', '-c', program], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, '')
