@@ -18,6 +18,7 @@ from kapitsa_ros.cli.node_server import OWN_PROCESS
 from kapitsa_ros.cli.screen_width import forget_useless_width
 from kapitsa_ros.cli.signals import Interrupt, forget_interrupts, interrupt_on_signals
 from kapitsa_ros.cli.transliteration import showable, write_out_unknown_signs
+from kapitsa_ros.docstrings import docstring_of
 from kapitsa_ros.errors import FAILED, WRONG_INPUT, KapitsaError, shorten
 from kapitsa_ros.standard_streams import keep_streams_open
 
@@ -36,7 +37,16 @@ class _Commands(click.Group):
             from kapitsa_ros.physics.compilation import announce_compilation  # noqa: PLC0415
 
             announce_compilation()
+        _describe(command)
         return command
+
+
+def _describe(command: click.Command) -> None:
+    """Give a command the help that it has not where Python has left out docstrings."""
+    if command.help is None and command.callback is not None:
+        command.help = docstring_of(command.callback)
+    for each in command.commands.values() if isinstance(command, click.Group) else ():
+        _describe(each)
 
 
 @click.group(cls=_Commands, no_args_is_help=False, context_settings={'help_option_names': ['-h', '--help']})
@@ -44,6 +54,8 @@ class _Commands(click.Group):
 def kapitsa() -> None:
     """Kapitsa's inverted pendulum on a jigsaw: theory, simulation, and the laboratory of 1997 as a ROS 2 graph."""
 
+
+_describe(kapitsa)
 
 # The matrices here are small: threads would spend more than they save, and sums would follow the number of cores.
 os.environ.setdefault('OPENBLAS_NUM_THREADS', '1')

@@ -50,6 +50,7 @@ def run_node(arguments: list[str]) -> int:
 
     """
     # Not above: the imports take half a second, in which signals are heard already.
+    from kapitsa_ros.docstrings import docstring_of  # noqa: PLC0415
     from kapitsa_ros.errors import WRONG_INPUT, MissingPackageError  # noqa: PLC0415
     from kapitsa_ros.network.registry import NODE_NAMES, ROLE_NAMES  # noqa: PLC0415
     from kapitsa_ros.ros.arguments import COMPOSED, FOXGLOVE_SERVER, beside_ros, without_roles  # noqa: PLC0415
@@ -77,7 +78,7 @@ def run_node(arguments: list[str]) -> int:
             text = (
                 composed_help_text(NODE_NAMES)
                 if name == COMPOSED
-                else help_text(roles[0], str(modules[roles[0]].__doc__), modules[roles[0]].create)
+                else help_text(roles[0], docstring_of(modules[roles[0]]), modules[roles[0]].create)
             )
         except KapitsaError as error:
             print(f'{name}: error: {error}', file=sys.stderr)

@@ -173,6 +173,13 @@ def test_a_node_is_shown_as_what_it_is(domain: int) -> None:
             node.terminate()
 
 
+@pytest.mark.parametrize('arguments', [[], ['theory'], ['bag'], ['bag', 'export'], ['node', 'strobe']])
+def test_help_is_the_same_where_python_leaves_docstrings_out(kapitsa, arguments: list[str]) -> None:
+    plain, without = (kapitsa(*arguments, '--help', env={'PYTHONOPTIMIZE': level}) for level in ('0', '2'))
+    assert (without.status, without.err) == (0, '')
+    assert without.out == plain.out
+
+
 def test_who_ignores_the_ends_of_its_children_can_start_an_experiment(tmp_path: Path) -> None:
     (tmp_path / 'short.yaml').write_text('speeds: [2640 rpm]\nswings: 1\n', encoding='utf-8')
     command = [
