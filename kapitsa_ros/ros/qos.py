@@ -18,6 +18,10 @@ LATCHED = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 """Of settings: whoever comes later still gets them."""
+EVERY_LATCHED = QoSProfile(
+    history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL
+)
+"""Of those who read settings: with the newest alone, one writer could hide from them what another has said."""
 VIEW = QoSProfile(depth=1, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT)
 """Of what viewers look at: the newest will do."""
 

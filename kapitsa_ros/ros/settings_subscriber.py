@@ -10,7 +10,7 @@ from kapitsa_ros.network.registry import PLAYER, RIG_ROLES, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, parse_settings, settings_topic
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.node_names import node_names
-from kapitsa_ros.ros.qos import LATCHED, message_class
+from kapitsa_ros.ros.qos import EVERY_LATCHED, message_class
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +44,8 @@ class SettingsSubscriber:
         self._roles = every if roles is None else roles
         self._node = node
         for name in self._roles:
-            node.create_subscription(message_class(SETTINGS_TYPE), settings_topic(name), self._taker(name), LATCHED)
+            kind = message_class(SETTINGS_TYPE)
+            node.create_subscription(kind, settings_topic(name), self._taker(name), EVERY_LATCHED)
 
     @property
     def complete(self) -> bool:

@@ -1,11 +1,19 @@
 """The settings that describe a run are collected from the roles that have them."""
 
 import json
+from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from std_msgs.msg import String
 
 from kapitsa_ros.network.registry import REQUIRED_NAMES
+from kapitsa_ros.rig.environment import on_loopback
+from kapitsa_ros.ros.qos import LATCHED
 from kapitsa_ros.ros.settings_subscriber import SettingsSubscriber
 
 
@@ -94,3 +102,31 @@ def test_settings_said_twice_before_the_first_run_end_the_replay() -> None:
     say('{"amplitude": 0.09}')
     say('{"amplitude": 0.01}')
     assert len(failed) == 1
+
+
+def test_a_stranger_cannot_hide_what_the_player_says(
+    domain: int, eventually: Callable[[Callable[[], Any]], None]
+) -> None:
+    """A reader that kept the newest text alone never had that of the player, where somebody else spoke often."""
+    failed: list[Exception] = []
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        reader, *others = (Node(name, context=context) for name in ('analyser', 'player', 'stranger'))
+    reader.expected, reader.refuse, reader.keep_failure = OF_A_REPLAY, lambda _: None, failed.append
+    SettingsSubscriber(reader, ('jigsaw',))
+    executor = SingleThreadedExecutor(context=context)
+    try:
+        for number, other in enumerate(others):
+            publisher = other.create_publisher(String, 'jigsaw/settings', LATCHED)
+            eventually(publisher.get_subscription_count)
+            publisher.publish(String(data=f'{{"amplitude": 0.0{number}}}'))
+            assert publisher.wait_for_all_acked()
+        executor.add_node(reader)
+        eventually(lambda: executor.spin_once(timeout_sec=0.1) or failed)
+        assert str(failed[0]).startswith('jigsaw/settings has a second writer, stranger')
+    finally:
+        executor.shutdown()
+        for node in (reader, *others):
+            node.destroy_node()
+        context.try_shutdown()
