@@ -162,8 +162,9 @@ class Rig:
         """Stop the nodes."""
         stack, self._stack = self._stack, None
         if stack is not None:
+            has_failed = self._nodes.has_failed  # then a node has told what there was to tell
             stack.__exit__(kind, error, trace)
-            if error is None:
+            if error is None and not has_failed:
                 self._client.refuse_disputed()
 
     @property

@@ -71,6 +71,11 @@ class NodeGroup:
         """Return the process of a role."""
         return next(process for process in self._processes if role in process.roles)
 
+    @property
+    def has_failed(self) -> bool:
+        """Whether a node ended with an error."""
+        return any(process.status() for process in self._processes)
+
     def check(self) -> bool:
         """Return whether all have ended as they should; False while one runs.
 

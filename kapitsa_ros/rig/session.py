@@ -52,7 +52,9 @@ def run_experiment(
 ) -> dict[str, Any]:
     """Start the graph, carry out the protocol, record a bag a run, and analyse the bags.
 
-    The analyser has done that already; but who else writes in the domain may have said its result.
+    The analyser has done that already, from the messages that the bags hold; where it took other things for granted,
+    somebody else may have said its result, or a bag lacks something or says something else of its run, the bags are
+    analysed.
 
     Raises
     ------
@@ -78,8 +80,15 @@ def run_experiment(
         raise
     # Those of the protocol, and of runs that somebody reset.
     paths = sorted(set(setup.bags.glob('run_*')) - others, key=run_number)
-    made = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
-    return analyse_bags(paths, assumptions) | made | ({'reset_runs': reset} if reset else {})
+    made: dict[str, Any] = {'protocol': setup.protocol, 'realtime_factor': monitor.realtime_factor}
+    if reset:
+        made['reset_runs'] = reset
+    bags = runs_of(paths) if assumptions == DEFAULT_ASSUMPTIONS and monitor.has_one_source else []
+    are_whole = bags and all(bag.complete and not bag.defects for bag in bags)
+    if are_whole and monitor.runs == [run_values(bag.run) for bag in bags]:
+        runs = [recorded_values(bag) | of_run for bag, of_run in zip(bags, monitor.runs, strict=True)]
+        return {'runs': runs} | monitor.experiment | origin([bag.run for bag in bags]) | made
+    return analyse_bags(paths, assumptions) | made
 
 
 def replay_bags(

@@ -85,6 +85,11 @@ class NumberedSubscription:
         """What is read."""
         return self._topic
 
+    @property
+    def has_had_one_writer(self) -> bool:
+        """Whether its own writer was the only one that was ever there."""
+        return self._watch.is_known and self._watch.has_been_alone
+
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""
         return self._watch.strangers()

@@ -53,7 +53,12 @@ class SessionMonitor(ListenerNode):
         self._on_progress = on_progress
         super().__init__(SESSION_MONITOR.name, domain)
         self._node.create_subscription(DiagnosticArray, '/diagnostics', self._take_progress, 10)
-        NumberedSubscription(self._node, RESULT, self._take_result, lambda _: None, self.fail)
+        self._results = NumberedSubscription(self._node, RESULT, self._take_result, lambda _: None, self.fail)
+
+    @property
+    def has_one_source(self) -> bool:
+        """Whether nobody but the analyser was ever there to say its results."""
+        return self._results.has_had_one_writer
 
     def time_control(self, owner: str) -> TimeControlClient:
         """Return a client of the node that owns time."""
