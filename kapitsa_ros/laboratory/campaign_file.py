@@ -105,8 +105,8 @@ class CampaignFile:
         """
         with self._naming_the_file():
             self._parts.mkdir(exist_ok=True)
-            with replacing(self._parts / f'{_number(outcomes[0]):09}.parquet') as draft:
-                _parquet().write_table(self._table(outcomes), draft)
+            with replacing(self._parts / f'{_number(outcomes[0]):09}.parquet') as draft, draft.open('wb') as file:
+                _parquet().write_table(self._table(outcomes), file)
 
     def finish(self) -> Outcomes:
         """Make one file of the parts; return all outcomes, those of earlier starts too, whose seconds are not known.
@@ -129,7 +129,7 @@ class CampaignFile:
                 self._join([path for _, path in parts], draft)
             shutil.rmtree(self._parts)
         outcomes = Outcomes()
-        with _parquet().ParquetFile(self.path) as file:
+        with self.path.open('rb') as raw, _parquet().ParquetFile(raw) as file:
             for batch in file.iter_batches(_ROWS_AT_ONCE):
                 for row in batch.to_pylist():
                     outcomes.add(_outcome(row))
@@ -140,10 +140,10 @@ class CampaignFile:
         import pyarrow as pa  # noqa: PLC0415
 
         parquet = _parquet()
-        with parquet.ParquetWriter(path, self._schema()) as writer:
+        with path.open('wb') as file, parquet.ParquetWriter(file, self._schema()) as writer:
             for begin in range(0, len(parts), _PARTS_AT_ONCE):
                 some = parts[begin : begin + _PARTS_AT_ONCE]
-                writer.write_table(pa.concat_tables([parquet.read_table(part) for part in some]))
+                writer.write_table(pa.concat_tables(map(_read_table, some)))
 
     @contextmanager
     def _naming_the_file(self) -> Iterator[None]:
@@ -191,7 +191,7 @@ class CampaignFile:
         """Return the numbers of the outcomes in a file, once it is known that they are those from `first` on."""
         stop = first
         try:
-            with _parquet().ParquetFile(path) as file:
+            with path.open('rb') as raw, _parquet().ParquetFile(raw) as file:
                 if (file.schema_arrow.metadata or {}).get(_IDENTITY) != self._digest:
                     raise self._refused(f'{OPTION}: {path} is of another campaign and stays; give another name')
                 is_due = file.schema_arrow.equals(self._schema())
@@ -273,6 +273,11 @@ def _outcome(row: dict[str, Any]) -> Outcome:
     )
 
 
+def _read_table(path: Path) -> pa.Table:
+    with path.open('rb') as file:  # a name has to be UTF-8 there, and may be taken for an address
+        return _parquet().read_table(file)
+
+
 def _parquet() -> Any:
     return import_of_extra('pyarrow.parquet', 'Parquet', 'report')
 
@@ -286,9 +291,9 @@ def read_campaign(path: Path) -> pa.Table:
         It is no such file, or outcomes are missing.
 
     """
-    parquet = _parquet()
+    _parquet()
     try:
-        table = parquet.read_table(path)
+        table = _read_table(path)
     except (OSError, ValueError) as error:
         raise OutputError(f'{path} is no Parquet file of a campaign ({error})') from error
     columns = {*OUTCOME_COLUMNS, 'failure'}

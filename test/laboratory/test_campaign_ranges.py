@@ -24,7 +24,7 @@ from kapitsa_ros.configuration.protocols import load_protocol
 from kapitsa_ros.errors import OutputError
 from kapitsa_ros.laboratory import campaign_file, campaign_points
 from kapitsa_ros.laboratory.campaign import Outcome
-from kapitsa_ros.laboratory.campaign_file import CampaignFile
+from kapitsa_ros.laboratory.campaign_file import CampaignFile, read_campaign
 from kapitsa_ros.laboratory.errors import DiskError
 from kapitsa_ros.laboratory.simulated_experiment import SimulatedExperiment
 from kapitsa_ros.physics.plant import Plant
@@ -378,6 +378,14 @@ def test_a_finished_file_without_all_outcomes_is_no_campaign(
     with pytest.raises(OutputError, match=rf'has {len(rows)} outcomes, not 10 at each of 2 points'):
         campaign_report(hole, tmp_path / 'report.md')
     assert not (tmp_path / 'report.md').exists()
+
+
+@pytest.mark.parametrize('name', [b'caf\xe9.parquet', b'file:z.parquet', b'$x^$.parquet'])
+def test_a_file_may_have_any_name(tmp_path: Path, name: bytes) -> None:
+    output = tmp_path / os.fsdecode(name)
+    kr.campaign(experiments=2, output=output)
+    assert [path.name for path in tmp_path.iterdir()] == [os.fsdecode(name)]
+    assert read_campaign(output).num_rows == 2
 
 
 def test_outcomes_of_another_version_are_not_gone_on_with(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
