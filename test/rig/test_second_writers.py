@@ -231,7 +231,7 @@ def test_who_goes_on_in_a_nodes_place_ends_the_run(
         said: list[StepId] = []
         kind = message_class(STROBE_READING.type)
 
-        def hear(raw: bytes) -> None:
+        def note(raw: bytes) -> None:
             step = read_step_id(raw)
             if not said or step.follows(said[-1]):
                 said.append(step)
@@ -240,7 +240,7 @@ def test_who_goes_on_in_a_nodes_place_ends_the_run(
             rig.wait_for('jigsaw/pivot', timeout=PATIENCE)
             executor = SingleThreadedExecutor(context=stranger.context)
             executor.add_node(stranger)
-            stranger.create_subscription(kind, STROBE_READING.name, hear, STREAM, raw=True)
+            stranger.create_subscription(kind, STROBE_READING.name, note, STREAM, raw=True)
             eventually(lambda: executor.spin_once(0.1) or (said and said[-1].step > 20))
             publisher = stranger.create_publisher(kind, STROBE_READING.name, 10)
             eventually(lambda: executor.spin_once(0.1) or publisher.get_subscription_count() == READERS + 1)
