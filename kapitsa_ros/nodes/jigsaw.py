@@ -73,6 +73,8 @@ class JigsawNode(DataflowNode):
     def accept(self, topic: str, step_id: StepId, raw: bytes) -> bool:
         """Queue a command, or note an acknowledgement."""
         if topic != COMMAND.name:
+            if (step_id.run, step_id.step) >= (self._next.run, self._next.step):
+                raise NodeError(f'{topic} acknowledges {step_id}, and {self._next} is next: it has a second writer')
             self._acknowledged[topic] = step_id
             return True
         if step_id.run == self._cut_short:

@@ -94,6 +94,8 @@ class ListenerNode:
 
     def fail(self, error: Exception) -> None:
         """Keep what a callback has raised for whoever waits; what is disputed the nodes of the rig say, if they can."""
+        if is_of_rclpy(error) and not self._context.ok():  # it was being left meanwhile
+            return
         if isinstance(error, NodeError):
             self._dispute = self._dispute or error
         else:
