@@ -18,11 +18,14 @@ import rclpy
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
+from reader_that_takes_nothing import reader_that_takes_nothing
 
 from kapitsa_ros.instruments.random_streams import random_stream
-from kapitsa_ros.network.registry import PIVOT, STROBE, STROBE_READING
+from kapitsa_ros.network.registry import PIVOT, RESULT, STROBE, STROBE_READING, WRITTEN
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.network.synchronizer import StepSynchronizer
+from kapitsa_ros.network.topic import Topic
+from kapitsa_ros.nodes.jigsaw import JigsawNode
 from kapitsa_ros.physics.sampled_motion import SampledMotion
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros import dataflow_node
@@ -61,6 +64,14 @@ def ros(domain: int) -> Iterator[int]:
         rclpy.init(domain_id=domain, signal_handler_options=SignalHandlerOptions.NO)
         yield domain
         rclpy.try_shutdown()
+
+
+@contextmanager
+def closing_node(node: Node) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        node.destroy_node()
 
 
 @contextmanager
@@ -120,24 +131,6 @@ def test_a_full_writer_waits_names_the_reader_and_loses_nothing(
         node.destroy_node()
 
 
-SLEEPER = """
-import sys
-import rclpy
-from rclpy.node import Node
-from kapitsa_ros.network.registry import STROBE_READING
-from kapitsa_ros.ros.qos import STREAM, message_class
-rclpy.init(domain_id=int(sys.argv[1]))
-node = Node('sleeper')
-node.create_subscription(message_class(STROBE_READING.type), STROBE_READING.name, print, STREAM, raw=True)
-sys.stdin.read()
-"""
-SHORT = """<dds xmlns="http://www.eprosima.com"><profiles>
-<data_reader profile_name="short" is_default_profile="true"><topic><resourceLimitsQos><max_samples>10</max_samples>
-<max_instances>10</max_instances><max_samples_per_instance>10</max_samples_per_instance>
-<allocated_samples>1</allocated_samples></resourceLimitsQos></topic></data_reader></profiles></dds>"""
-"""Of a reader that has room for ten messages, and tells DDS so while it takes none."""
-
-
 @pytest.mark.parametrize('of_the_rig', [False, True])
 def test_a_reader_that_takes_nothing_for_good_is_waited_for_if_it_is_of_the_rig(
     ros: int,
@@ -148,12 +141,7 @@ def test_a_reader_that_takes_nothing_for_good_is_waited_for_if_it_is_of_the_rig(
     of_the_rig: bool,
 ) -> None:
     monkeypatch.setattr(dataflow_node, 'LEASE', 0.0)
-    profile = tmp_path / 'short.xml'
-    profile.write_text(SHORT, encoding='utf-8')
     name = 'operator' if of_the_rig else 'sleeper'
-    command = [sys.executable, '-c', SLEEPER.replace('sleeper', name), str(ros)]
-    environment = os.environ | {'FASTRTPS_DEFAULT_PROFILES_FILE': str(profile)}
-    reader = subprocess.Popen(command, stdin=subprocess.PIPE, env=environment)
     node = DataflowNode(STROBE)
     failed: list[Exception] = []
 
@@ -164,7 +152,7 @@ def test_a_reader_that_takes_nothing_for_good_is_waited_for_if_it_is_of_the_rig(
         except NodeError as error:
             failed.append(error)
 
-    try:
+    with closing_node(node), reader_that_takes_nothing(STROBE_READING.name, name, ros, tmp_path) as reader:
         eventually(
             lambda: [end.node_name for end in node.get_subscriptions_info_by_topic(STROBE_READING.name)] == [name]
         )
@@ -182,10 +170,15 @@ def test_a_reader_that_takes_nothing_for_good_is_waited_for_if_it_is_of_the_rig(
             'strobe/reading has been full for 0 s: sleeper reads it, is not of this rig, and has to take what it reads'
         )
         assert [str(error).removesuffix(' or leave') for error in failed] == ([] if of_the_rig else [told])
-    finally:
-        reader.kill()
-        reader.communicate()
-        node.destroy_node()
+
+
+@pytest.mark.parametrize('step', [StepId(1, 0), StepId(1, 7), StepId(2, 0, end=True)], ids=str)
+@pytest.mark.parametrize('topic', [RESULT, WRITTEN], ids=lambda topic: topic.name)
+def test_no_step_is_acknowledged_before_it_is_made(ros: int, topic: Topic[Any], step: StepId) -> None:  # noqa: ARG001
+    """The jigsaw took a stranger's for the newest, and waited for one of the step before for ever."""
+    node = JigsawNode()
+    with closing_node(node), pytest.raises(NodeError, match=rf'{topic.name} acknowledges {step}, and run 1 step 0 is'):
+        node.accept(topic.name, step, b'')
 
 
 class Counting(StepNode):
