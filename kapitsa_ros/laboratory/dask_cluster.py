@@ -146,8 +146,11 @@ def _refuse_other_server(address: str) -> None:
         raise ClusterError(f'no Dask scheduler answers at {address}: none in {_PATIENCE:g} s') from error
     except OSError as error:
         raise ClusterError(f'no Dask scheduler answers at {address} ({error})') from error
-    except Exception as error:  # such an answer was taken for lengths, names, pickles
-        raise ClusterError(f'no Dask scheduler answers at {address}: what is there speaks otherwise') from error
+    except Exception as error:  # such an answer was taken for lengths, names, pickles: each complains in its own way
+        kind = type(error).__name__
+        raise ClusterError(
+            f'no Dask scheduler answers at {address}: what is there speaks otherwise ({kind})'
+        ) from error
     if 'workers' not in identity:
         kind = shorten(str(identity['type']), 40)
         raise ClusterError(f'no Dask scheduler is at {address}, but a {kind}: give the address of its scheduler')
