@@ -16,6 +16,7 @@ from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.node_names import node_names
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.rig_client import RigClient
 
@@ -54,7 +55,11 @@ def test_what_two_have_said_is_told_on_leaving_a_rig(eventually: Callable[[Calla
             context.init(domain_id=rig.domain)
         strobe = writer_of('strobe')
         say(strobe, 0, 200.0)
-        say(writer_of('stranger'), 0, 300.0)
+        rig.wait_for(topic)
+        stranger = writer_of('stranger')
+        watching = rig._client._node
+        eventually(lambda: 'stranger' in node_names(watching.get_publishers_info_by_topic(topic)))  # it comes last
+        say(stranger, 0, 300.0)
         say(strobe, 1, 250.0)
         rig.wait_for(topic, lambda reading: reading.speed == pytest.approx(250.0))
 

@@ -1,6 +1,7 @@
 """A watcher of the graph says what has gone wrong with it, and not something else."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from threading import Event
 from typing import Any
 
@@ -102,11 +103,14 @@ def test_a_result_that_two_have_said_is_disputed(
 ) -> None:
     """A stranger's came first, in the second in which the analyser was at work on its own, and was believed."""
     with on_loopback():
-        monitor, analyser, stranger = SessionMonitor(domain), Writer('analyser', domain), Writer('stranger', domain)
-    with monitor, analyser, stranger:
+        monitor, analyser = SessionMonitor(domain), Writer('analyser', domain)
+    with monitor, analyser, ExitStack() as later:
         eventually(lambda: analyser.is_heard)
         analyser.say(RESULT.codec.encode_silence(DAY, StepId(1, 0)))
-        eventually(lambda: stranger.is_heard)
+        eventually(lambda: monitor.has_one_source)
+        with on_loopback():
+            stranger = later.enter_context(Writer('stranger', domain))
+        eventually(lambda: stranger.is_heard and monitor._results.strangers() == ['stranger'])  # its name comes last
         stranger.say(b'')  # its next is the second, as the next of the analyser
         end = StepId(1, 1, end=True)
         stranger.say(encode_header(DAY, end) + forged if forged else RESULT.encode(DAY, end, {'run 1': {}}))
