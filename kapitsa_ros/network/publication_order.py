@@ -34,19 +34,22 @@ class PublicationOrder:
     ----------
     is_alone
         Whether the graph shows one writer of the topic at this moment.
-    has_been_alone
-        Whether it has never shown another.
 
     """
 
-    def __init__(self, is_alone: Callable[[], bool], has_been_alone: Callable[[], bool]) -> None:
-        self._is_alone, self._has_been_alone = is_alone, has_been_alone
+    def __init__(self, is_alone: Callable[[], bool]) -> None:
+        self._is_alone = is_alone
         self._last: tuple[int, StepId] | None = None
         self._before: StepId | None = None
         self._began: dict[int, int] = {}
         self._skipped: list[range] = []
         self._doubtful: int | None = None
-        """The first publication that was taken since there was another writer: before it all are the writer's own."""
+        """The first publication that may be another writer's: before it all are the writer's own."""
+
+    def note_another(self) -> None:
+        """Note that there is another writer: one of its messages may have come before the news of it, as the last."""
+        if self._doubtful is None:
+            self._doubtful = self._last[0] if self._last else 0
 
     def classify(self, publication: int | None, step_id: StepId) -> Provenance:
         """Return what a message is, and remember it if it goes on where the last one was.
@@ -92,8 +95,6 @@ class PublicationOrder:
     def _take(self, publication: int, step_id: StepId) -> None:
         self._before = self._last[1] if self._last else None
         self._last = (publication, step_id)
-        if self._doubtful is None and not self._has_been_alone():
-            self._doubtful = publication
         if step_id.step == 0 or step_id.run not in self._began:
             self._began[step_id.run] = publication - step_id.step
         while len(self._began) > _REMEMBERED:

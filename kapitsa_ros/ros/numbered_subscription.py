@@ -62,7 +62,7 @@ class NumberedSubscription:
         self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
         self._fail, self._met = fail, met
         self._watch = WriterWatch(node, topic)
-        self._order = PublicationOrder(self._watch.is_alone, lambda: self._watch.has_been_alone)
+        self._order = PublicationOrder(self._watch.is_alone)
         self._is_over = False
         """Whether the writer has said that no run follows: it may leave."""
 
@@ -101,6 +101,8 @@ class NumberedSubscription:
 
     def _note_match(self, event: Any) -> None:
         self._watch.note_match(event)
+        if not self._watch.has_been_alone:
+            self._order.note_another()
         self._met()
         try:
             self._refuse_another()

@@ -12,11 +12,13 @@ OWN, FOREIGN, CONTESTED = Provenance.OWN, Provenance.FOREIGN, Provenance.CONTEST
 
 def after(steps: int, *, alone: bool = True) -> PublicationOrder:
     """Return the order after some steps of run 1, each the writer's next publication; then `alone` is as given."""
-    order = PublicationOrder(lambda: order.alone, lambda: order.alone and order.was_alone)
-    order.alone = order.was_alone = True
+    order = PublicationOrder(lambda: order.alone)
+    order.alone = True
     for step in range(steps):
         assert order.classify(step + 1, StepId(1, step)) is OWN
     order.alone = alone
+    if not alone:
+        order.note_another()
     return order
 
 
@@ -41,6 +43,14 @@ def test_a_stranger_that_was_believed_is_found_when_the_writer_speaks() -> None:
     assert order.classify(11, StepId(1, 10)) is CONTESTED
 
 
+def test_a_stranger_whose_message_came_before_the_news_of_it_is_found_too() -> None:
+    """It was believed: what the writer said in its place was refused without a word."""
+    order = after(10)
+    assert order.classify(11, StepId(1, 10)) is OWN
+    order.note_another()
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
+
+
 def test_a_stranger_that_has_left_before_anyone_looked_is_found_too() -> None:
     """It had counted on far enough, and the graph shows one writer again."""
     order = after(10)
@@ -58,7 +68,7 @@ def test_what_was_taken_before_the_stranger_came_is_beyond_doubt() -> None:
 def test_who_was_there_before_the_writer_and_was_believed_is_found_when_the_writer_speaks() -> None:
     """A stranger had spoken and left when its reader began to listen, and the writer had come."""
     order = after(0)
-    order.was_alone = False
+    order.note_another()
     assert [order.classify(number + 1, StepId(1, number)) for number in range(60)] == [OWN] * 60
     assert order.classify(1, StepId(1, 0)) is CONTESTED
 
