@@ -1,8 +1,8 @@
 """Telling the messages of a topic's one writer from what others say there.
 
 Who wrote a message, it does not say. But DDS counts the publications of each writer, and the writer of a numbered topic
-makes one a step: publication and step go on together. What does not fit is not its; and where two messages claim the
-same place, one of them may have been believed.
+makes one a step, from the first on: publication and step go on together. What does not fit is not its; and where two
+messages claim the same place, one of them may have been believed.
 """
 
 from __future__ import annotations
@@ -25,6 +25,11 @@ class Provenance(Enum):
     OWN = 'of the writer, as far as can be told'
     FOREIGN = 'of somebody else: it has changed nothing'
     CONTESTED = 'in a place that another message has taken: one of the two is somebody else'
+
+
+def counts_from_the_first(publication: int | None, step_id: StepId) -> bool:
+    """Whether a writer that made a publication of each step of its first run made this one of this step."""
+    return publication is None or publication == step_id.step + 1
 
 
 class PublicationOrder:
@@ -78,6 +83,8 @@ class PublicationOrder:
         return Provenance.OWN
 
     def _classify_first(self, publication: int, step_id: StepId) -> Provenance:
+        if step_id.run == 1 and not counts_from_the_first(publication, step_id):
+            return Provenance.FOREIGN
         if self._is_alone():
             self._take(publication, step_id)
             return Provenance.OWN

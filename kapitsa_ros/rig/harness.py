@@ -343,8 +343,9 @@ class Rig:
                 raise RigError('the session is over: {what} will not come', what=what)
             left = deadline - time.monotonic()
             if left <= 0 or math.isnan(left):
-                waiting = '' if any(self._client.seen.values()) else self._nodes.who_waits()
-                raise TimeoutError(f'{what} did not come within {timeout} s{waiting and f": {waiting}"}')
+                has_begun = any(self._client.seen.values())
+                why = self._client.told_missed(topics) if has_begun else self._nodes.who_waits()
+                raise TimeoutError(f'{what} did not come within {timeout} s{why and f": {why}"}')
             ended = self._nodes.wait(min(left, look_period), self._client.news)
 
 

@@ -9,7 +9,7 @@ from rclpy.event_handler import SubscriptionEventCallbacks
 
 from kapitsa_ros.network.cdr import read_step_id
 from kapitsa_ros.network.errors import SequenceError, WireError
-from kapitsa_ros.network.publication_order import Provenance, PublicationOrder
+from kapitsa_ros.network.publication_order import Provenance, PublicationOrder, counts_from_the_first
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.process_node import ASKS_ITSELF
@@ -114,11 +114,13 @@ class NumberedSubscription:
         if fault is not None:
             raise NodeError(f'{self._topic.name} {fault}')
 
-    def _is_of_nobody(self) -> bool:
+    def _is_of_nobody(self, publication: int | None, step_id: StepId) -> bool:
         """Whether nobody whose topic it is can have said what came; asked until all is clear."""
         self._watch.refresh()
         self._refuse_another()
-        return not (self._watch.is_known or self._watch.know())
+        if self._watch.is_known:
+            return False
+        return not self._watch.know(counts_from_the_first=counts_from_the_first(publication, step_id))
 
     def _receive(self, raw: bytes, publication: int | None) -> None:
         name = self._topic.name
@@ -128,7 +130,7 @@ class NumberedSubscription:
             strangers = ', '.join(self.strangers())
             self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
             return
-        if not self._watch.is_steady and self._is_of_nobody():
+        if not self._watch.is_steady and self._is_of_nobody(publication, step_id):
             others = ', '.join(self.strangers()) or 'a node that has left'
             self._refuse(f'{name}: {step_id} comes from {others}, whose topic it is not')
             return

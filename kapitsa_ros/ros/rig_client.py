@@ -62,6 +62,8 @@ class RigClient(ListenerNode):
     def __init__(self, domain: int) -> None:
         self.seen: dict[str, StepId | None] = dict.fromkeys(topic.name for topic in TOPICS)
         """Number of the newest message by topic; silent ones and ends of runs count too."""
+        self._missed: dict[str, StepId] = {}
+        """Number of the first message of a topic that was heard, where it was not the first of all."""
         self._newest: dict[str, _Message] = {}
         self._unread: dict[str, deque[_Message]] = {name: deque(maxlen=UNREAD) for name in self.seen}
         self._lock = threading.Lock()
@@ -148,6 +150,13 @@ class RigClient(ListenerNode):
                 if name in self._newest and self._newest[name].step_id.run < run:
                     del self._newest[name]
 
+    def told_missed(self, topics: Iterable[str] | None) -> str:
+        """Return what of topics was said before this program was found, in a sentence; it may be empty."""
+        heard = [f'{name} from {self._missed[name]} on' for name in topics or self.seen if name in self._missed]
+        if not heard:
+            return ''
+        return f'{", ".join(heard)} was heard: a node waits for whom its parameter expect names, {CLIENT.name} too'
+
     def is_heard(self, topic: str) -> bool:
         """Whether somebody takes requests on a topic."""
         return self._asks[topic].get_subscription_count() > 0
@@ -184,6 +193,8 @@ class RigClient(ListenerNode):
         def take(step_id: StepId, raw: bytes) -> None:
             message, is_silence = _Message(step_id, raw), topic.codec.is_silence(raw)
             with self._lock:
+                if self.seen[topic.name] is None and step_id.step > 0:
+                    self._missed[topic.name] = step_id
                 if not is_silence:
                     self._newest[topic.name] = message
                     unread.append(message)

@@ -84,13 +84,20 @@ class WriterWatch:
         if not self._is_shown:
             self._look()
 
-    def know(self) -> bool:
+    def know(self, *, counts_from_the_first: bool) -> bool:
         """Take the one writer that is heard for the topic's own, if its name says so; return False if it does not.
 
         Where several are heard none can be taken for it, and it stays unknown.
+
+        Parameters
+        ----------
+        counts_from_the_first
+            Whether what came fits a writer that has just begun: one whose name is not known has to.
+
         """
         self._look()
-        candidates = [gid for gid, name in self._heard.items() if self._may_be_own(name)]
+        names = self._roles | ({UNKNOWN} if counts_from_the_first else set())
+        candidates = [gid for gid, name in self._heard.items() if name in names]
         if len(self._heard) == 1 and self._matched <= 1 and candidates:
             [self._own] = candidates
             self._newcomers = False
@@ -120,7 +127,10 @@ class WriterWatch:
         return [f'another {name}' if name in self._roles else name for name in names]
 
     def _look(self) -> None:
-        self._heard = {bytes(end.endpoint_gid): end.node_name for end in heard_writers(self._node, self._topic)}
+        known, self._heard = self._heard, {}
+        for end in heard_writers(self._node, self._topic):
+            gid, name = bytes(end.endpoint_gid), end.node_name
+            self._heard[gid] = known.get(gid, name) if name == UNKNOWN else name  # who leaves loses its name first
         name = self._heard.get(self._own) if self._own is not None else None
         self._is_shown = len(self._heard) == self._matched and name != UNKNOWN
         if name is None:

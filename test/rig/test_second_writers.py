@@ -23,7 +23,7 @@ from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.laboratory.bag_analysis import analyse_bags
 from kapitsa_ros.network.cdr import encode_header, read_step_id
-from kapitsa_ros.network.registry import COMMAND, RESULT, ROLE_NAMES, STOPWATCH_READING, STROBE_READING, TOPICS
+from kapitsa_ros.network.registry import CLIENT, COMMAND, RESULT, ROLE_NAMES, STOPWATCH_READING, STROBE_READING, TOPICS
 from kapitsa_ros.network.step_clock import DAY, SECOND
 from kapitsa_ros.network.step_id import StepId
 from kapitsa_ros.operator.command import Command
@@ -279,7 +279,8 @@ def test_who_speaks_before_a_node_joins_is_not_taken_for_it(
                 reading = StrobeReading(time=number / 10, speed=3000 * RPM) if number % 10 == 5 else None
                 publisher.publish(STROBE_READING.encode(DAY + number * SECOND // 10, StepId(1, number), reading))
             assert publisher.wait_for_all_acked()
-        with NodeGroup(['strobe'], parameters(Setup(bags=tmp_path)), rig.domain):
+        told = parameters(Setup(bags=tmp_path))
+        with NodeGroup(['strobe'], told | {'expect': [*told['expect'], CLIENT.name]}, rig.domain):
             rig.request_speed(2500)
             assert rig.wait_for('strobe/reading', timeout=PATIENCE).speed == pytest.approx(2500 * RPM, rel=0.05)
 

@@ -2,6 +2,7 @@
 
 import select
 from collections.abc import Callable
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -67,6 +68,29 @@ def test_what_two_have_said_is_told_on_leaving_a_rig(eventually: Callable[[Calla
     with pytest.raises(NodeError, match=said), Rig(nodes=['jigsaw']) as rig:
         use(rig)
     context.try_shutdown()
+
+
+def test_what_came_before_it_was_found_is_told(eventually: Callable[[Callable[[], Any]], None]) -> None:
+    """A reading that a program waits for may be among that."""
+    topic, context, steps = STROBE_READING.name, Context(), count(5)
+    with Rig(nodes=['jigsaw']) as rig:
+        with on_loopback():
+            context.init(domain_id=rig.domain)
+            strobe = Node('strobe', context=context)
+        publisher = strobe.create_publisher(message_class(STROBE_READING.type), topic, STREAM)
+
+        def say_next() -> None:
+            reading = StrobeReading(time=1.0, speed=200.0)
+            publisher.publish(STROBE_READING.encode(1, StepId(2, next(steps)), reading))
+
+        try:
+            eventually(lambda: say_next() or rig.latest(topic))
+            told = r'from run 2 step \d+ on was heard: a node waits for whom its parameter expect names, client too'
+            with pytest.raises(TimeoutError, match=told):
+                rig.wait_for(topic, lambda _: False, timeout=0.1)
+        finally:
+            strobe.destroy_node()
+            context.try_shutdown()
 
 
 def test_messages_of_strangers_are_left_out(domain: int, eventually: Callable[[Callable[[], Any]], None]) -> None:
