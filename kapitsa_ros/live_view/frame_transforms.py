@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
+from kapitsa_ros.live_view.refusals import say_refused
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.typestore import definition_of, new_message, new_time, serialise
 from kapitsa_ros.ros.qos import LATCHED, VIEW
@@ -169,12 +170,15 @@ class FrameTransforms:
         try:
             self._joints = joints_of(message.data)
         except ValueError as error:
-            self._node.get_logger().warning(f'robot_description: {error}')
+            say_refused(self._node, f'robot_description: {error}')
 
     def _take_state(self, message: JointState) -> None:
         if self._channel is None:
             return
         stamp_ns = message.header.stamp.sec * SECOND + message.header.stamp.nanosec
         time_ns = self._clock.shown(stamp_ns)
+        if time_ns is None:
+            say_refused(self._node, f'joint_states of {message.header.stamp.sec} s: no time of a rig')
+            return
         positions = dict(zip(message.name, message.position, strict=False))
         self._channel.log(encode_transforms(self._joints, positions, time_ns), log_time=time_ns)

@@ -15,10 +15,12 @@ from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameter_events
 
 from kapitsa_ros.live_view.answer import answer_to
+from kapitsa_ros.live_view.refusals import say_refused
 from kapitsa_ros.network.registry import NODE_NAMES
+from kapitsa_ros.ros.executor_tasks import guarded
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from rclpy.node import Node
 
@@ -58,7 +60,7 @@ class ParameterForwarder:
         for name in self._nodes.keys() - there:
             self._nodes.pop(name).close()
         for name in there - self._nodes.keys():
-            self._nodes[name] = _NodeParameters(self._node, name, partial(self.take, name))
+            self._nodes[name] = _NodeParameters(self._node, name, partial(self.take, name), partial(self._refuse, name))
         for parameters in self._nodes.values():
             parameters.ask()
 
@@ -127,13 +129,21 @@ class ParameterForwarder:
             self._server.show_parameters([_shown(f'{node}.{item.name}', item) for item in changed])
 
     def _take_event(self, event: ParameterEvent) -> None:
-        self.take(event.node, map(Parameter.from_parameter_msg, [*event.new_parameters, *event.changed_parameters]))
+        try:
+            parameters = _read([*event.new_parameters, *event.changed_parameters])
+        except ValueError as error:
+            self._refuse(event.node, error)
+        else:
+            self.take(event.node, parameters)
+
+    def _refuse(self, node: str, error: Exception) -> None:
+        say_refused(self._node, f'parameters of {node}: {error}')
 
 
 class _NodeParameters:
-    def __init__(self, node: Node, name: str, take: Any) -> None:
+    def __init__(self, node: Node, name: str, take: Any, refuse: Callable[[Exception], None]) -> None:
         self.values: dict[str, Parameter] = {}
-        self._node, self._take = node, take
+        self._node, self._take, self._refuse = node, take, refuse
         self._list = node.create_client(ListParameters, f'{name}/list_parameters')
         self._get = node.create_client(GetParameters, f'{name}/get_parameters')
         self._set = node.create_client(SetParameters, f'{name}/set_parameters')
@@ -147,7 +157,8 @@ class _NodeParameters:
         """Ask the node for all its parameters, once it can answer."""
         if not self._is_asked and self._list.service_is_ready() and self._get.service_is_ready():
             self._is_asked = True
-            self._list.call_async(ListParameters.Request()).add_done_callback(self._take_names)
+            asking = self._list.call_async(ListParameters.Request())
+            asking.add_done_callback(guarded(self._take_names, self._refuse))
 
     def set(self, parameter: Parameter) -> Any:
         return self._set.call_async(SetParameters.Request(parameters=[parameter.to_parameter_msg()]))
@@ -155,11 +166,18 @@ class _NodeParameters:
     def _take_names(self, future: Any) -> None:
         names = future.result().result.names
         asking = self._get.call_async(GetParameters.Request(names=names))
-        asking.add_done_callback(lambda answered: self._take_values(names, answered.result().values))
+        take = guarded(lambda answered: self._take_values(names, answered.result().values), self._refuse)
+        asking.add_done_callback(take)
 
     def _take_values(self, names: list[str], values: Any) -> None:
-        messages = [ParameterMessage(name=name, value=value) for name, value in zip(names, values, strict=False)]
-        self._take(list(map(Parameter.from_parameter_msg, messages)))
+        if len(values) != len(names):
+            raise ValueError(f'{len(values)} values of {len(names)} parameters')
+        self._take(_read([ParameterMessage(name=name, value=value) for name, value in zip(names, values, strict=True)]))
+
+
+def _read(messages: list[ParameterMessage]) -> list[Parameter]:
+    """Return parameters; ValueError: one is none."""
+    return list(map(Parameter.from_parameter_msg, messages))
 
 
 def _shown(name: str, parameter: Parameter) -> foxglove.Parameter:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
+from kapitsa_ros.live_view.refusals import say_refused
 from kapitsa_ros.network.typestore import begins_with_header, definition_of, knows
 from kapitsa_ros.ros.qos import message_class
 
@@ -126,3 +127,5 @@ class _ForwardedTopic:
         time_ns = self._clock.time_of(raw, has_header=self._has_header)
         if time_ns is not None:
             self._channel.log(raw, log_time=time_ns, sink_id=client)
+        elif self._has_header:
+            say_refused(self._node, f'{self._name}: a stamp that is no time of a rig')

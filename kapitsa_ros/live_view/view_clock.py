@@ -26,10 +26,12 @@ class ViewClock:
         self.now_ns: int | None = None if timeline is None else timeline.range_ns[0]
         """None until the owner of time has spoken."""
 
-    def set(self, stamp_ns: int) -> int:
-        """Take a simulated time as the present; return when that is in the view."""
-        self.now_ns = self.shown(stamp_ns)
-        return self.now_ns
+    def set(self, stamp_ns: int) -> int | None:
+        """Take a simulated time as the present; return when that is in the view, None: never."""
+        time_ns = self.shown(stamp_ns)
+        if time_ns is not None:
+            self.now_ns = time_ns
+        return time_ns
 
     def time_of(self, raw: bytes, *, has_header: bool) -> int | None:
         """Return when a message is shown: at its stamp, or else now; None: it is not known yet, or no message."""
@@ -40,6 +42,8 @@ class ViewClock:
         except WireError:
             return None
 
-    def shown(self, stamp_ns: int) -> int:
-        """Return when a simulated time is in the view."""
+    def shown(self, stamp_ns: int) -> int | None:
+        """Return when a simulated time is in the view; None: never, as the rig has no time before 0."""
+        if stamp_ns < 0:
+            return None
         return stamp_ns if self._timeline is None else self._timeline.time_at(stamp_ns)

@@ -12,6 +12,7 @@ from kapitsa_ros.network.errors import SequenceError, WireError
 from kapitsa_ros.network.publication_order import Provenance, PublicationOrder, counts_from_the_first
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.errors import NodeError
+from kapitsa_ros.ros.executor_tasks import guarded
 from kapitsa_ros.ros.process_node import ASKS_ITSELF
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.writer_watch import WriterWatch
@@ -60,7 +61,7 @@ class NumberedSubscription:
         met: Callable[[], None] = lambda: None,
     ) -> None:
         self._node, self._topic, self._take, self._refuse = node, topic, take, refuse
-        self._fail, self._met = fail, met
+        self._met = met
         self._watch = WriterWatch(node, topic)
         self._order = PublicationOrder(self._watch.is_alone)
         self._is_over = False
@@ -76,7 +77,7 @@ class NumberedSubscription:
 
         receive.__signature__ = _WITH_INFO  # type: ignore[attr-defined]
         setattr(receive, ASKS_ITSELF, True)
-        events = SubscriptionEventCallbacks(matched=self._note_match)
+        events = SubscriptionEventCallbacks(matched=guarded(self._note_match, fail))
         kind = message_class(topic.type)
         node.create_subscription(kind, topic.name, receive, STREAM, raw=True, event_callbacks=events)
 
@@ -104,10 +105,7 @@ class NumberedSubscription:
         if not self._watch.has_been_alone:
             self._order.note_another()
         self._met()
-        try:
-            self._refuse_another()
-        except NodeError as error:
-            self._fail(error)
+        self._refuse_another()
 
     def _refuse_another(self) -> None:
         fault = None if self._is_over else self._watch.fault()

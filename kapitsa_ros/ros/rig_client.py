@@ -12,6 +12,7 @@ from std_msgs.msg import Float64
 
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import CLIENT, JIGSAW, REQUESTS, RESULT, TOPICS, WRITTEN, topic_named
+from kapitsa_ros.ros.executor_tasks import guarded
 from kapitsa_ros.ros.listener_node import ListenerNode
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.time_control_client import RESET, TimeControlClient
@@ -178,7 +179,7 @@ class RigClient(ListenerNode):
         return self._telling(self._time.set_parameters(**values))
 
     def _telling(self, future: Future) -> Future:
-        future.add_done_callback(lambda _: self.wake())
+        future.add_done_callback(guarded(lambda _: self.wake(), self.fail))
         return future
 
     def wake(self) -> None:

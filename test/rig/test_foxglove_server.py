@@ -9,9 +9,21 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from builtin_interfaces.msg import Time
+from rcl_interfaces.msg import Parameter as ParameterMessage
+from rcl_interfaces.msg import ParameterEvent, ParameterValue
+from rcl_interfaces.srv import GetParameters, ListParameters
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from std_msgs.msg import Header, String
+from trajectory_msgs.msg import JointTrajectory
 
 from kapitsa_ros.configuration.urdf import urdf
 from kapitsa_ros.network.registry import MOTION
@@ -22,10 +34,11 @@ from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag, runs_of
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.domain import reserved_domain
-from kapitsa_ros.rig.environment import node_environment
+from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
 from kapitsa_ros.ros.arguments import FOXGLOVE_SERVER
+from kapitsa_ros.ros.qos import LATCHED, STREAM, VIEW
 
 pytest.importorskip('foxglove', reason='needs foxglove-sdk: pip install "kapitsa_ros[foxglove]"')
 pytest.importorskip('websockets')
@@ -189,6 +202,62 @@ def test_the_frames_are_where_physics_has_the_links() -> None:
             assert frame.header.stamp.nanosec == 5
         wanted = [plant.length * math.sin(angle), 0.0, height + plant.length * math.cos(angle)]
         assert place == pytest.approx(wanted, abs=1e-12)
+
+
+def test_nonsense_on_the_graph_ends_no_view(domain: int) -> None:
+    """Times before 0, parameters of no type, fewer values than names: each ended the process of the server."""
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        stranger = Node('pendulum', context=context, start_parameter_services=False)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(stranger)
+    nothing, early, later = ParameterValue(type=99), Header(stamp=Time(sec=-3)), Header(stamp=Time(sec=DAY // SECOND))
+    asked = []
+
+    def name_two(_: Any, response: ListParameters.Response) -> ListParameters.Response:
+        response.result.names = ['a', 'b']
+        return response
+
+    def give_one(request: GetParameters.Request, response: GetParameters.Response) -> GetParameters.Response:
+        asked.append(request)
+        response.values = [nothing]
+        return response
+
+    stranger.create_service(ListParameters, 'pendulum/list_parameters', name_two)
+    stranger.create_service(GetParameters, 'pendulum/get_parameters', give_one)
+    model = stranger.create_publisher(String, 'robot_description', LATCHED)
+    model.publish(String(data='<robot'))
+    events = stranger.create_publisher(ParameterEvent, '/parameter_events', 10)
+    clock = stranger.create_publisher(Clock, '/clock', VIEW)
+    state = stranger.create_publisher(JointState, 'joint_states', VIEW)
+    motion = stranger.create_publisher(JointTrajectory, 'pendulum/motion', STREAM)
+    try:
+        with serving(domain) as client:
+            client.subscribe('/pendulum/motion', '/tf')
+
+            def speak() -> None:
+                events.publish(
+                    ParameterEvent(node='/pendulum', new_parameters=[ParameterMessage(name='x', value=nothing)])
+                )
+                for header in (early, later):
+                    clock.publish(Clock(clock=header.stamp))
+                    state.publish(JointState(header=header))
+                    motion.publish(JointTrajectory(header=header))
+                executor.spin_once(timeout_sec=0.1)
+                client.settle(0.1)
+
+            deadline = time.monotonic() + PATIENCE
+            while not (asked and client.times and client.messages['/pendulum/motion'] and client.messages['/tf']):
+                assert time.monotonic() < deadline
+                speak()
+            for _ in range(3):
+                speak()
+            assert {*client.times, *(at for at, _ in client.messages['/pendulum/motion'])} == {DAY}
+    finally:
+        executor.shutdown()
+        stranger.destroy_node()
+        context.try_shutdown()
 
 
 @pytest.mark.parametrize(
