@@ -125,11 +125,13 @@ class NumberedSubscription:
         try:
             step_id = read_step_id(raw)
         except WireError as error:
+            self._order.note_another()
             strangers = ', '.join(self.strangers())
             self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
             return
         if not self._watch.is_steady and self._is_of_nobody(publication, step_id):
             others = ', '.join(self.strangers()) or 'a node that has left'
+            self._order.note_another()
             self._refuse(f'{name}: {step_id} comes from {others}, whose topic it is not')
             return
         provenance = self._order.classify(publication, step_id)
