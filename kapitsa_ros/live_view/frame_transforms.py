@@ -9,25 +9,26 @@ import xml.etree.ElementTree as ET
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
 from std_msgs.msg import String
 
-from kapitsa_ros.live_view.refusals import say_refused
 from kapitsa_ros.network.step_clock import SECOND
 from kapitsa_ros.network.typestore import definition_of, new_message, new_time, serialise
 from kapitsa_ros.ros.qos import LATCHED, VIEW
+from kapitsa_ros.ros.rclpy_errors import first_line
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from foxglove import Channel
     from numpy.typing import NDArray
-    from rclpy.node import Node
     from rclpy.subscription import Subscription
 
     from kapitsa_ros.live_view.foxglove_server import FoxgloveServer
     from kapitsa_ros.live_view.view_clock import ViewClock
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 TOPIC = '/tf'
 _TYPE = 'tf2_msgs/msg/TFMessage'
@@ -82,6 +83,8 @@ def _joint(element: ET.Element) -> Joint:
         values = np.array((default if found is None else found.get(name, default)).split(), dtype=float)
         if values.shape != (3,):
             raise ValueError(f'{name} of a joint has {values.size} numbers')
+        if not np.isfinite(values).all():
+            raise ValueError(f'{name} of a joint is not finite')
         return values
 
     def link(tag: str) -> str:
@@ -136,7 +139,7 @@ class FrameTransforms:
 
     """
 
-    def __init__(self, node: Node, server: FoxgloveServer, clock: ViewClock) -> None:
+    def __init__(self, node: ProcessNode, server: FoxgloveServer, clock: ViewClock) -> None:
         self._node, self._server, self._clock = node, server, clock
         self._channel: Channel | None = None
         self._joints: list[Joint] = []
@@ -157,28 +160,27 @@ class FrameTransforms:
         """Listen while a client wants to know."""
         is_wanted = self._channel is not None and self._channel.has_sinks()
         if is_wanted and not self._subscriptions:
-            self._subscriptions = [
-                self._node.create_subscription(String, 'robot_description', self._take_model, LATCHED),
-                self._node.create_subscription(JointState, 'joint_states', self._take_state, VIEW),
-            ]
+            try:
+                self._subscribe()
+            except RCLError as error:  # somebody publishes another type there
+                self._node.refuse(first_line(error))
         elif self._subscriptions and not is_wanted:
             for subscription in self._subscriptions:
                 self._node.destroy_subscription(subscription)
             self._subscriptions = []
 
+    def _subscribe(self) -> None:
+        subscribe = self._node.create_subscription
+        self._subscriptions.append(subscribe(String, 'robot_description', self._take_model, LATCHED))
+        self._subscriptions.append(subscribe(JointState, 'joint_states', self._take_state, VIEW))
+
     def _take_model(self, message: String) -> None:
-        try:
-            self._joints = joints_of(message.data)
-        except ValueError as error:
-            say_refused(self._node, f'robot_description: {error}')
+        self._joints = joints_of(message.data)
 
     def _take_state(self, message: JointState) -> None:
         if self._channel is None:
             return
         stamp_ns = message.header.stamp.sec * SECOND + message.header.stamp.nanosec
         time_ns = self._clock.shown(stamp_ns)
-        if time_ns is None:
-            say_refused(self._node, f'joint_states of {message.header.stamp.sec} s: no time of a rig')
-            return
         positions = dict(zip(message.name, message.position, strict=False))
         self._channel.log(encode_transforms(self._joints, positions, time_ns), log_time=time_ns)

@@ -15,7 +15,7 @@ from rclpy.parameter import Parameter
 from rclpy.qos import qos_profile_parameter_events
 
 from kapitsa_ros.live_view.answer import answer_to
-from kapitsa_ros.live_view.refusals import say_refused
+from kapitsa_ros.live_view.names import is_full_name
 from kapitsa_ros.network.registry import NODE_NAMES
 from kapitsa_ros.ros.executor_tasks import guarded
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     from kapitsa_ros.live_view.foxglove_server import FoxgloveServer
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 _PATIENCE = 2.0
 """Seconds."""
@@ -43,7 +44,7 @@ class ParameterForwarder:
 
     """
 
-    def __init__(self, node: Node, server: FoxgloveServer) -> None:
+    def __init__(self, node: ProcessNode, server: FoxgloveServer) -> None:
         self._node, self._server = node, server
         self._nodes: dict[str, _NodeParameters] = {}
         self._news = threading.Condition()
@@ -55,12 +56,14 @@ class ParameterForwarder:
         there = {
             f'{"" if space == "/" else space}/{name}'
             for name, space in self._node.get_node_names_and_namespaces()
-            if name in NODE_NAMES
+            if name in NODE_NAMES and is_full_name(f'{"" if space == "/" else space}/{name}')
         }
-        for name in self._nodes.keys() - there:
-            self._nodes.pop(name).close()
-        for name in there - self._nodes.keys():
-            self._nodes[name] = _NodeParameters(self._node, name, partial(self.take, name), partial(self._refuse, name))
+        with self._news:
+            for name in self._nodes.keys() - there:
+                self._nodes.pop(name).close()
+            for name in there - self._nodes.keys():
+                refuse = partial(self._refuse, name)
+                self._nodes[name] = _NodeParameters(self._node, name, partial(self.take, name), refuse)
         for parameters in self._nodes.values():
             parameters.ask()
 
@@ -129,15 +132,10 @@ class ParameterForwarder:
             self._server.show_parameters([_shown(f'{node}.{item.name}', item) for item in changed])
 
     def _take_event(self, event: ParameterEvent) -> None:
-        try:
-            parameters = _read([*event.new_parameters, *event.changed_parameters])
-        except ValueError as error:
-            self._refuse(event.node, error)
-        else:
-            self.take(event.node, parameters)
+        self.take(event.node, _read([*event.new_parameters, *event.changed_parameters]))
 
     def _refuse(self, node: str, error: Exception) -> None:
-        say_refused(self._node, f'parameters of {node}: {error}')
+        self._node.refuse(f'parameters of {node}: {error}')
 
 
 class _NodeParameters:

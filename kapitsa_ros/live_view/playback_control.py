@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
@@ -107,7 +108,8 @@ class PlaybackControl:
                 self._parameters.take(self._owner, [Parameter(name, value=value)])
 
     def _speed(self) -> float:
-        return float(self._parameters.value(f'{self._owner}.rate', self._asked)) or self._measured
+        rate = self._parameters.value(f'{self._owner}.rate', self._asked)
+        return rate if isinstance(rate, float) and 0 < rate < math.inf else self._measured  # anybody may say another
 
     def _state(self, *, did_seek: bool, request_id: str | None = None) -> PlaybackState:
         return PlaybackState(
@@ -124,7 +126,8 @@ class PlaybackControl:
                 continue
             values = {pair.key: pair.value for pair in status.values}
             with suppress(KeyError, ValueError):  # anybody may speak there
-                self._measured = float(values['realtime_factor'])
+                measured = float(values['realtime_factor'])
+                self._measured = measured if 0 < measured < math.inf else self._measured
             if values.get('session_over') == 'True':
                 self._status = PlaybackStatus.Ended
             else:

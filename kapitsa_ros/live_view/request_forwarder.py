@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from std_msgs.msg import Float64
 
+from kapitsa_ros.live_view.names import is_full_name
 from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import REQUESTS
 from kapitsa_ros.network.typestore import deserialise
@@ -50,7 +51,7 @@ class RequestForwarder:
 
     def advertise(self, client: Client, channel: ClientChannel) -> None:
         """Take note of a topic on which a client wants to publish, or say why nothing there will be used."""
-        if '/'.join(channel.topic.rsplit('/', 2)[1:]) not in REQUESTS:
+        if '/'.join(channel.topic.rsplit('/', 2)[1:]) not in REQUESTS or not is_full_name(channel.topic):
             self._server.warn(f'{channel.topic} is not open to clients: publish on {" or ".join(REQUESTS)}')
         elif channel.schema_name not in {_TYPE, 'std_msgs/Float64'}:
             self._server.warn(f'{channel.topic} takes {_TYPE}, not {channel.schema_name}')

@@ -17,7 +17,6 @@ from kapitsa_ros.live_view.foxglove_server import ADDRESS, FoxgloveServer
 from kapitsa_ros.live_view.frame_transforms import FrameTransforms
 from kapitsa_ros.live_view.parameter_forwarder import ParameterForwarder
 from kapitsa_ros.live_view.playback_control import PlaybackControl
-from kapitsa_ros.live_view.refusals import say_refused
 from kapitsa_ros.live_view.replay_timeline import ReplayTimeline
 from kapitsa_ros.live_view.request_forwarder import RequestForwarder
 from kapitsa_ros.live_view.service_forwarder import ServiceForwarder
@@ -96,9 +95,6 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
     def _take_clock(self, message: Clock) -> None:
         is_first = self._view_clock.now_ns is None
         time_ns = self._view_clock.set(message.clock.sec * SECOND + message.clock.nanosec)
-        if time_ns is None:
-            say_refused(self, f'/clock of {message.clock.sec} s: no time of a rig')
-            return
         if is_first:
             self._topic_forwarder.repeat()
         self._server.show_time(time_ns)

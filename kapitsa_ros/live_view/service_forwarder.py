@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from kapitsa_ros.live_view.answer import answer_to
 from kapitsa_ros.live_view.foxglove_server import ENCODING, SCHEMA_ENCODING
+from kapitsa_ros.live_view.names import is_full_name
 from kapitsa_ros.network.registry import JIGSAW, PLAYER
 from kapitsa_ros.ros.time_control_client import RESET, SERVICES
 
@@ -58,7 +59,7 @@ class ServiceForwarder:
         there = {
             name
             for name, types in self._node.get_service_names_and_types()
-            if types == [_TYPE] and tuple(name.rsplit('/', 2)[1:]) in _OFFERED
+            if types == [_TYPE] and is_full_name(name) and tuple(name.rsplit('/', 2)[1:]) in _OFFERED
         }
         if gone := sorted(self._clients.keys() - there):
             self._server.withdraw(gone)

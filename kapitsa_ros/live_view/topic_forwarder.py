@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections import deque
 from typing import TYPE_CHECKING
 
+from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from kapitsa_ros.live_view.refusals import say_refused
+from kapitsa_ros.live_view.names import is_full_name
 from kapitsa_ros.network.typestore import begins_with_header, definition_of, knows
 from kapitsa_ros.ros.qos import message_class
+from kapitsa_ros.ros.rclpy_errors import first_line
 
 if TYPE_CHECKING:
     from collections.abc import Collection
 
-    from rclpy.node import Node
     from rclpy.subscription import Subscription
 
     from kapitsa_ros.live_view.foxglove_server import FoxgloveServer
     from kapitsa_ros.live_view.view_clock import ViewClock
+    from kapitsa_ros.ros.process_node import ProcessNode
 
 _DEPTH = 100
 _STREAM = QoSProfile(depth=_DEPTH, history=HistoryPolicy.KEEP_LAST, reliability=ReliabilityPolicy.BEST_EFFORT)
@@ -45,7 +47,7 @@ class TopicForwarder:
 
     """
 
-    def __init__(self, node: Node, server: FoxgloveServer, clock: ViewClock) -> None:
+    def __init__(self, node: ProcessNode, server: FoxgloveServer, clock: ViewClock) -> None:
         self._node, self._server, self._clock = node, server, clock
         self._topics: dict[str, _ForwardedTopic] = {}
         self._newcomers: deque[tuple[int, str]] = deque()
@@ -54,7 +56,7 @@ class TopicForwarder:
     def look(self, own: Collection[str]) -> None:
         """Look for new topics; `own` are those that the view itself makes."""
         for name, types in self._node.get_topic_names_and_types():
-            if name in self._topics or name in own or not self._node.count_publishers(name):
+            if name in self._topics or name in own or not is_full_name(name) or not self._node.count_publishers(name):
                 continue
             if self._is_known(name, types[0]):
                 self._topics[name] = _ForwardedTopic(self._node, self._server, self._clock, name, types[0])
@@ -69,8 +71,11 @@ class TopicForwarder:
             client, name = self._newcomers.popleft()
             if name in self._topics:
                 self._topics[name].repeat(client)
-        for topic in self._topics.values():
-            topic.tend()
+        for name, topic in self._topics.items():
+            try:
+                topic.tend()
+            except RCLError as error:  # somebody publishes another type there
+                self._node.refuse(f'{name}: {first_line(error)}')
 
     def repeat(self) -> None:
         """Tell all clients what is latched: only now is it known at what time."""
@@ -82,7 +87,7 @@ class TopicForwarder:
             return False
         try:
             message_class(message_type)
-        except (ImportError, AttributeError):
+        except (ImportError, AttributeError, ValueError):
             is_known = False
         else:
             is_known = knows(message_type)
@@ -93,7 +98,9 @@ class TopicForwarder:
 
 
 class _ForwardedTopic:
-    def __init__(self, node: Node, server: FoxgloveServer, clock: ViewClock, name: str, message_type: str) -> None:
+    def __init__(
+        self, node: ProcessNode, server: FoxgloveServer, clock: ViewClock, name: str, message_type: str
+    ) -> None:
         self._node, self._clock, self._name, self._type = node, clock, name, message_type
         self._channel = server.channel(name, message_type, definition_of(message_type))
         self._has_header = begins_with_header(message_type)
@@ -119,13 +126,11 @@ class _ForwardedTopic:
             self._show(self._latched, client)
 
     def _take(self, raw: bytes) -> None:
+        self._show(raw)
         if self._is_latched:
             self._latched = raw
-        self._show(raw)
 
     def _show(self, raw: bytes, client: int | None = None) -> None:
         time_ns = self._clock.time_of(raw, has_header=self._has_header)
         if time_ns is not None:
             self._channel.log(raw, log_time=time_ns, sink_id=client)
-        elif self._has_header:
-            say_refused(self._node, f'{self._name}: a stamp that is no time of a rig')

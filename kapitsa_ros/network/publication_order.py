@@ -28,7 +28,7 @@ class Provenance(Enum):
 
 
 def counts_from_the_first(publication: int | None, step_id: StepId) -> bool:
-    """Whether a writer that made a publication of each step of its first run made this one of this step."""
+    """Whether a publication has the number that it has where each step of the run was published once, and no more."""
     return publication is None or publication == step_id.step + 1
 
 
@@ -52,7 +52,7 @@ class PublicationOrder:
         """The first publication that may be another writer's: before it all are the writer's own."""
 
     def note_another(self) -> None:
-        """Note that there is another writer, or was: a message of its may have come before the news, as the last."""
+        """Note that there is another writer: one of its messages may have come before the news of it, as the last."""
         if self._doubtful is None:
             self._doubtful = self._last[0] if self._last else 0
 
@@ -83,7 +83,7 @@ class PublicationOrder:
         return Provenance.OWN
 
     def _classify_first(self, publication: int, step_id: StepId) -> Provenance:
-        if self._doubtful is not None and step_id.run == 1 and not counts_from_the_first(publication, step_id):
+        if step_id.run == 1 and not counts_from_the_first(publication, step_id):
             return Provenance.FOREIGN
         if self._is_alone():
             self._take(publication, step_id)

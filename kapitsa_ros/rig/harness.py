@@ -344,7 +344,7 @@ class Rig:
             left = deadline - time.monotonic()
             if left <= 0 or math.isnan(left):
                 has_begun = any(self._client.seen.values())
-                why = self._client.told_missed(topics) if has_begun else self._nodes.who_waits()
+                why = self._client.told_missed(topics or ()) if has_begun else self._nodes.who_waits()
                 raise TimeoutError(f'{what} did not come within {timeout} s{why and f": {why}"}')
             ended = self._nodes.wait(min(left, look_period), self._client.news)
 

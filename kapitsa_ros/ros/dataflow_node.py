@@ -56,16 +56,12 @@ LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
 HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
-REFUSAL_PERIOD = 5.0
-"""Seconds of wall time between two lines on input that was not used."""
 STRANGER_PERIOD = 5.0
 """Seconds of wall time between two looks at who else writes: what they write is refused at once."""
 GRACE = 3.0
 """Seconds for which messages are waited for to be taken before it is said."""
 LEASE = 25.0
 """Seconds after which DDS has given up a reader that is silent; who is still not served then never will be."""
-LONGEST = 200
-"""Characters of a line on input that is refused."""
 PARTING = Duration(nanoseconds=200_000_000)
 """How long words are waited for that nobody depends on."""
 
@@ -91,12 +87,10 @@ class DataflowNode(ProcessNode):
                 f'parameter expect: {sorted(unknown) or "nothing"}: name roles of {", ".join(ROLE_NAMES)}'
             )
         self._failure: Exception | None = None
-        self._refused = 0
         self._held_up = 0
         self._stamp_ns = DAY
         """Simulated time of what was emitted last; the first run begins with its day."""
         self._health = Throttle(HEALTH_PERIOD)
-        self._refusals = Throttle(REFUSAL_PERIOD)
         self._stranger_look = Throttle(STRANGER_PERIOD)
         self.diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self._rosout = self.create_publisher(Log, '/rosout', LATCHED)
@@ -187,12 +181,6 @@ class DataflowNode(ProcessNode):
         """Publish a message that holds nothing but its number."""
         self.emit_raw(topic, topic.codec.encode_silence(stamp_ns, step_id))
 
-    def refuse(self, why: str) -> None:
-        """Count input that was not used, and say so once in a while."""
-        self._refused += 1
-        if self._refusals.due():
-            self.get_logger().warning(f'refused: {shorten(why, LONGEST)} ({self._refused} so far)')
-
     def finish(self) -> None:
         """Leave once the last messages have been taken by their readers."""
         for publisher in self._out.values():
@@ -233,7 +221,7 @@ class DataflowNode(ProcessNode):
         if self._failure is not None:
             raise self._failure
         if self._health.due():
-            report = health_message(reporter_name(self), self._stamp_ns, self._refused, self._held_up)
+            report = health_message(reporter_name(self), self._stamp_ns, self.refused, self._held_up)
             self.diagnostics.publish(report)
             if self._peers.matched:
                 if self._stranger_look.due():

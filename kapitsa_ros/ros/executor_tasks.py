@@ -10,9 +10,10 @@ if TYPE_CHECKING:
 
 
 def guarded(callback: Callable[..., Any], fail: Callable[[Exception], None]) -> Callable[..., Any]:
-    """Return a callback that hands to `fail` what it raises.
+    """Return a callback that hands to `fail`, which raises nothing, what it raises.
 
-    What a task raises, the events executor of rclpy 7.1 answers with a segmentation fault (rclpy issue 1641).
+    What a task raises, the events executor of rclpy 7.1 answers with a segmentation fault where it has one node (rclpy
+    issue 1641).
     """
 
     @functools.wraps(callback)

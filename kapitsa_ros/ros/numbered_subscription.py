@@ -125,13 +125,11 @@ class NumberedSubscription:
         try:
             step_id = read_step_id(raw)
         except WireError as error:
-            self._order.note_another()
             strangers = ', '.join(self.strangers())
             self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
             return
         if not self._watch.is_steady and self._is_of_nobody(publication, step_id):
             others = ', '.join(self.strangers()) or 'a node that has left'
-            self._order.note_another()
             self._refuse(f'{name}: {step_id} comes from {others}, whose topic it is not')
             return
         provenance = self._order.classify(publication, step_id)
@@ -141,7 +139,7 @@ class NumberedSubscription:
         others = ', '.join(self.strangers()) or 'a node that has left'
         if provenance is Provenance.CONTESTED:
             raise NodeError(f'{name} has a second writer, {others}: which {step_id} is the right one cannot be told')
-        self._refuse(f'{name}: {step_id} comes from a second writer, {others}')
+        self._refuse(f'{name}: {step_id}, publication {publication}, comes from a second writer, {others}')
 
     def _take_own(self, step_id: StepId, raw: bytes) -> None:
         """Take what is the writer's, as far as can be told; a second writer may have hit upon its next publication."""

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 from rclpy._rclpy_pybind11 import RCLError  # it has no public type
 from rclpy.node import Node
 
+from kapitsa_ros.errors import shorten
+from kapitsa_ros.ros.throttle import Throttle
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
@@ -18,6 +21,10 @@ if TYPE_CHECKING:
 
 _made: weakref.WeakSet[ProcessNode] = weakref.WeakSet()
 """All of this process, finished or not."""
+REFUSAL_PERIOD = 5.0
+"""Seconds of wall time between two lines on input that was not used."""
+LONGEST = 200
+"""Characters of a line on input that is refused."""
 ASKS_ITSELF = 'asks_itself'
 """Attribute of callbacks that ask for a poll where they need one."""
 
@@ -26,7 +33,8 @@ class ProcessNode(Node):
     """Base of what `ros/main.py` runs.
 
     Callbacks of services and subscriptions make the node due at once, but for those that have `ASKS_ITSELF`: numbered
-    topics, which make up all but a few of its messages, and ask for little that is not done when they come.
+    topics, which make up all but a few of its messages, and ask for little that is not done when they come. What a
+    callback cannot use, rclpy's own too, is refused: nobody ends a node by what he sends it.
 
     Parameters
     ----------
@@ -44,6 +52,9 @@ class ProcessNode(Node):
         """When it has to be polled, s of the steady clock."""
         self.wake: Callable[[], None] = _nobody
         """Ends the wait of whoever polls it."""
+        self.refused = 0
+        """Messages and calls that were not used."""
+        self._refusals = Throttle(REFUSAL_PERIOD)
 
     def be_due(self, at: float = 0.0) -> None:
         """Have the node polled at a time of the steady clock, if not before."""
@@ -53,22 +64,33 @@ class ProcessNode(Node):
 
     def create_subscription(self, msg_type: Any, topic: str, callback: Any, *given: Any, **named: Any) -> Any:
         """Subscribe; a message makes the node due."""
-        called = callback if hasattr(callback, ASKS_ITSELF) else self._making_due(callback)
+        called = callback if hasattr(callback, ASKS_ITSELF) else self._making_due(callback, f'a message on {topic}')
         return super().create_subscription(msg_type, topic, called, *given, **named)
 
     def create_service(self, srv_type: Any, srv_name: str, callback: Any, **named: Any) -> Any:
         """Serve; a request makes the node due."""
-        return super().create_service(srv_type, srv_name, self._making_due(callback), **named)
+        return super().create_service(srv_type, srv_name, self._making_due(callback, f'a call of {srv_name}'), **named)
 
-    def _making_due(self, callback: Callable[..., Any]) -> Callable[..., Any]:
+    def _making_due(self, callback: Callable[..., Any], what: str) -> Callable[..., Any]:
         @functools.wraps(callback)  # rclpy looks at its signature
         def call(*given: Any) -> Any:
             try:
                 return callback(*given)
+            except Exception as error:
+                if not self.context.ok():
+                    raise
+                self.refuse(f'{what}: {error or type(error).__name__}')
+                return given[-1]  # of a service the answer, as it came
             finally:
                 self.be_due()
 
         return call
+
+    def refuse(self, why: str) -> None:
+        """Count input that was not used, and say so once in a while."""
+        self.refused += 1
+        if self._refusals.due():
+            self.get_logger().warning(f'refused: {shorten(why, LONGEST)} ({self.refused} so far)')
 
     def open(self) -> None:
         """Serve others than ROS: called once, when all nodes of the process are made, and not where help is asked for.

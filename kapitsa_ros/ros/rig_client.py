@@ -151,12 +151,12 @@ class RigClient(ListenerNode):
                 if name in self._newest and self._newest[name].step_id.run < run:
                     del self._newest[name]
 
-    def told_missed(self, topics: Iterable[str] | None) -> str:
-        """Return what of topics was said before this program was found, in a sentence; it may be empty."""
-        heard = [f'{name} from {self._missed[name]} on' for name in topics or self.seen if name in self._missed]
+    def told_missed(self, topics: Iterable[str]) -> str:
+        """Return in a sentence since when topics are heard, of which the first messages were not; it may be empty."""
+        heard = [f'{name} only from {self._missed[name]} on' for name in topics if name in self._missed]
         if not heard:
             return ''
-        return f'{", ".join(heard)} was heard: a node waits for whom its parameter expect names, {CLIENT.name} too'
+        return f'this program heard {", ".join(heard)}: name {CLIENT.name}, too, in the parameter expect of that node'
 
     def is_heard(self, topic: str) -> bool:
         """Whether somebody takes requests on a topic."""

@@ -79,18 +79,11 @@ def test_the_first_step_of_all_tells_nobody_from_another() -> None:
     assert after(0, alone=False).classify(1, StepId(1, 0)) is CONTESTED
 
 
-def test_a_writer_that_was_always_alone_may_have_published_before() -> None:
-    """As a driver of real hardware may, on its way up."""
-    order = after(0)
-    assert [order.classify(number + 7, StepId(1, number)) for number in range(3)] == [OWN] * 3
-
-
 @pytest.mark.parametrize('step', [0, 17, 58])
 @pytest.mark.parametrize('alone', [True, False])
 def test_who_has_published_something_else_before_is_not_the_writer(step: int, *, alone: bool) -> None:
     """A stranger has left, and one of its last messages is read when the writer is the only one there."""
     order = after(0, alone=alone)
-    order.note_another()
     assert order.classify(step + 4, StepId(1, step)) is FOREIGN
     order.alone = True
     assert order.classify(1, StepId(1, 0)) is OWN

@@ -76,6 +76,19 @@ def serving(domain: int, *bags: Path) -> Iterator[FoxgloveClient]:
         process.stderr.close()
 
 
+@contextmanager
+def node_beside(name: str, domain: int) -> Iterator[Node]:
+    context = Context()
+    with on_loopback():
+        context.init(domain_id=domain)
+        node = Node(name, context=context, start_parameter_services=False)
+    try:
+        yield node
+    finally:
+        node.destroy_node()
+        context.try_shutdown()
+
+
 def test_a_client_sees_a_rig_and_works_at_it() -> None:
     with Rig(rate=1.0, composed=True) as rig, serving(rig.domain) as client:
         client.subscribe('/pendulum/motion', '/joint_states', '/tf', '/robot_description', '/diagnostics')
@@ -205,14 +218,9 @@ def test_the_frames_are_where_physics_has_the_links() -> None:
 
 
 def test_nonsense_on_the_graph_ends_no_view(domain: int) -> None:
-    """Times before 0, parameters of no type, fewer values than names: each ended the process of the server."""
-    context = Context()
-    with on_loopback():
-        context.init(domain_id=domain)
-        stranger = Node('pendulum', context=context, start_parameter_services=False)
-    executor = SingleThreadedExecutor(context=context)
-    executor.add_node(stranger)
-    nothing, early, later = ParameterValue(type=99), Header(stamp=Time(sec=-3)), Header(stamp=Time(sec=DAY // SECOND))
+    """Times of no rig, joints at NaN, parameters of no type, a second type of a topic: each ended the server."""
+    nothing, later = ParameterValue(type=99), Header(stamp=Time(sec=DAY // SECOND))
+    beyond = [Header(stamp=Time(sec=-3)), Header(stamp=Time(sec=2**31 - 1, nanosec=2**32 - 1))]
     asked = []
 
     def name_two(_: Any, response: ListParameters.Response) -> ListParameters.Response:
@@ -224,40 +232,41 @@ def test_nonsense_on_the_graph_ends_no_view(domain: int) -> None:
         response.values = [nothing]
         return response
 
-    stranger.create_service(ListParameters, 'pendulum/list_parameters', name_two)
-    stranger.create_service(GetParameters, 'pendulum/get_parameters', give_one)
-    model = stranger.create_publisher(String, 'robot_description', LATCHED)
-    model.publish(String(data='<robot'))
-    events = stranger.create_publisher(ParameterEvent, '/parameter_events', 10)
-    clock = stranger.create_publisher(Clock, '/clock', VIEW)
-    state = stranger.create_publisher(JointState, 'joint_states', VIEW)
-    motion = stranger.create_publisher(JointTrajectory, 'pendulum/motion', STREAM)
-    try:
+    with node_beside('other', domain) as other, node_beside('pendulum', domain) as stranger:
+        other.create_publisher(Time, '/clock', 10)  # its type comes before the right one in the alphabet
+        executor = SingleThreadedExecutor(context=stranger.context)
+        executor.add_node(stranger)
+        stranger.create_service(ListParameters, 'pendulum/list_parameters', name_two)
+        stranger.create_service(GetParameters, 'pendulum/get_parameters', give_one)
+        model = stranger.create_publisher(String, 'robot_description', LATCHED)
+        model.publish(String(data=urdf(Plant())))
+        events = stranger.create_publisher(ParameterEvent, '/parameter_events', 10)
+        clock = stranger.create_publisher(Clock, '/clock', VIEW)
+        state = stranger.create_publisher(JointState, 'joint_states', VIEW)
+        motion = stranger.create_publisher(JointTrajectory, 'pendulum/motion', STREAM)
         with serving(domain) as client:
-            client.subscribe('/pendulum/motion', '/tf')
+            client.subscribe('/pendulum/motion', '/tf', '/clock')
 
             def speak() -> None:
                 events.publish(
                     ParameterEvent(node='/pendulum', new_parameters=[ParameterMessage(name='x', value=nothing)])
                 )
-                for header in (early, later):
+                for header, angle in [(beyond[0], 0.1), (beyond[1], 0.1), (later, math.nan), (later, 0.1)]:
                     clock.publish(Clock(clock=header.stamp))
-                    state.publish(JointState(header=header))
+                    state.publish(JointState(header=header, name=['pendulum'], position=[angle]))
                     motion.publish(JointTrajectory(header=header))
-                executor.spin_once(timeout_sec=0.1)
-                client.settle(0.1)
+                    executor.spin_once(timeout_sec=0.05)
+                    client.settle(0.05)  # of the clock and the joints the server takes the newest alone
 
             deadline = time.monotonic() + PATIENCE
             while not (asked and client.times and client.messages['/pendulum/motion'] and client.messages['/tf']):
                 assert time.monotonic() < deadline
                 speak()
             for _ in range(3):
+                model.publish(String(data='<robot'))
                 speak()
             assert {*client.times, *(at for at, _ in client.messages['/pendulum/motion'])} == {DAY}
-    finally:
         executor.shutdown()
-        stranger.destroy_node()
-        context.try_shutdown()
 
 
 @pytest.mark.parametrize(

@@ -165,7 +165,7 @@ def test_a_stranger_that_speaks_before_the_match_event_tells_of_it_is_refused() 
     graph.say(1, publication=500)
     graph.say(1)
     assert (graph.taken, graph.failed) == ([0, 1], [])
-    assert graph.refused == ['strobe/reading: run 1 step 1 comes from a second writer, stranger']
+    assert graph.refused == ['strobe/reading: run 1 step 1, publication 500, comes from a second writer, stranger']
 
 
 def test_the_writers_last_words_are_taken_and_a_link_that_was_cut_is_taken_up_again() -> None:
@@ -207,6 +207,41 @@ def test_who_was_heard_before_its_name_was_known_is_found_out() -> None:
     graph.say(1)
     assert graph.taken == [0]
     assert str(graph.failed[0]) == 'strobe/reading was written by passer_by, whose topic it is not'
+
+
+@pytest.mark.parametrize('publication', [1, 21])
+def test_who_leaves_is_known_by_the_name_that_it_had(publication: int) -> None:
+    """The graph forgets its name before it shows that it has left."""
+    graph = Graph()
+    gid = graph.join('passer_by')
+    graph.say(0)
+    graph.ends[gid].node_name = NAMELESS
+    graph.say(publication - 1)
+    assert graph.taken == []
+    graph.leave(gid)
+    graph.join('strobe')
+    graph.say(0)
+    assert (graph.taken, graph.failed) == ([0], [])
+
+
+def test_who_has_no_name_yet_has_to_count_from_the_first() -> None:
+    graph = Graph()
+    graph.join(NAMELESS)
+    graph.say(17, publication=21)
+    assert graph.taken == []
+    graph.say(0)
+    assert (graph.taken, graph.failed) == ([0], [])
+
+
+def test_last_words_that_are_read_when_the_writer_has_come_are_not_its_own() -> None:
+    """Nor where no match event has told of anybody yet."""
+    graph = Graph()
+    graph.show('strobe')
+    graph.say(17, publication=21)
+    graph.say(0)
+    assert (graph.taken, graph.failed) == ([0], [])
+    said = 'run 1 step 17, publication 21, comes from a second writer, a node that has left'
+    assert graph.refused == [f'strobe/reading: {said}']
 
 
 def test_a_writer_may_leave_once_it_has_said_that_no_run_follows() -> None:

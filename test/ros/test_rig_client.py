@@ -85,7 +85,7 @@ def test_what_came_before_it_was_found_is_told(eventually: Callable[[Callable[[]
 
         try:
             eventually(lambda: say_next() or rig.latest(topic))
-            told = r'from run 2 step \d+ on was heard: a node waits for whom its parameter expect names, client too'
+            told = r'heard strobe/reading only from run 2 step \d+ on: name client, too, in the parameter expect'
             with pytest.raises(TimeoutError, match=told):
                 rig.wait_for(topic, lambda _: False, timeout=0.1)
         finally:
