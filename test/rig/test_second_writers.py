@@ -18,6 +18,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
+from std_srvs.srv import Trigger
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
@@ -226,6 +227,17 @@ def node_of_a_stranger(name: str, domain: int) -> Iterator[Node]:
         context.try_shutdown()
 
 
+def call(node: Node, service: str) -> None:
+    client = node.create_client(Trigger, service)
+    assert client.wait_for_service(PATIENCE)
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)
+    answer = client.call_async(Trigger.Request())
+    executor.spin_until_future_complete(answer, PATIENCE)
+    executor.shutdown()
+    assert answer.result().success
+
+
 def test_who_goes_on_in_a_nodes_place_ends_the_run(
     tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
@@ -302,11 +314,12 @@ def test_a_node_that_leaves_is_missed_whoever_bears_its_topics_name(
 def test_a_second_rig_in_one_process_gives_way(
     recorded: tuple[Path, dict[str, Any]], domain: int, observer: SessionMonitor, tmp_path: Path
 ) -> None:
-    """Its nodes find one another before they can find those of the first."""
+    """Its nodes find one another before they can find those of the first; which waits, or it might be through."""
     first = parameters(Setup(bags=tmp_path / 'A', rate=1.0))
-    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes:
+    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes, node_of_a_stranger('hand', domain) as hand:
         while float(observer.wait_for_progress(PATIENCE)['simulated_s']) < 1.5 * DISCOVERY:
             nodes.check()
+        call(hand, 'jigsaw/pause')
         for name in 'BC':
             told = parameters(Setup(bags=tmp_path / name, rate=1.0))
             with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
@@ -314,6 +327,7 @@ def test_a_second_rig_in_one_process_gives_way(
                 assert select.select([process.sentinel], [], [], PATIENCE)[0]
                 assert process.status() == 1
                 assert 'a rig is there already' in process.last_error_lines()
+        call(hand, 'jigsaw/resume')
         while not nodes.wait(PATIENCE):
             pass
     for file in recorded[0].glob('*/*'):
