@@ -17,9 +17,7 @@ from builtin_interfaces.msg import Time
 from rcl_interfaces.msg import Parameter as ParameterMessage
 from rcl_interfaces.msg import ParameterEvent, ParameterValue
 from rcl_interfaces.srv import GetParameters, ListParameters
-from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Header, String
@@ -34,7 +32,7 @@ from kapitsa_ros.recording.playback import Playback
 from kapitsa_ros.recording.reader import RunBag, runs_of
 from kapitsa_ros.rig import Rig
 from kapitsa_ros.rig.domain import reserved_domain
-from kapitsa_ros.rig.environment import node_environment, on_loopback
+from kapitsa_ros.rig.environment import node_environment
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import REPLAY_NAMES, Replay, replay_parameters
 from kapitsa_ros.ros.arguments import FOXGLOVE_SERVER
@@ -43,6 +41,7 @@ from kapitsa_ros.ros.qos import LATCHED, STREAM, VIEW
 pytest.importorskip('foxglove', reason='needs foxglove-sdk: pip install "kapitsa_ros[foxglove]"')
 pytest.importorskip('websockets')
 from foxglove_client import PATIENCE, PAUSE, PLAY, FoxgloveClient
+from stranger_node import stranger_node
 
 from kapitsa_ros.live_view.frame_transforms import encode_transforms, joints_of
 from kapitsa_ros.live_view.replay_timeline import ReplayTimeline
@@ -74,19 +73,6 @@ def serving(domain: int, *bags: Path) -> Iterator[FoxgloveClient]:
         process.kill()
         process.wait()
         process.stderr.close()
-
-
-@contextmanager
-def node_beside(name: str, domain: int) -> Iterator[Node]:
-    context = Context()
-    with on_loopback():
-        context.init(domain_id=domain)
-        node = Node(name, context=context, start_parameter_services=False)
-    try:
-        yield node
-    finally:
-        node.destroy_node()
-        context.try_shutdown()
 
 
 def test_a_client_sees_a_rig_and_works_at_it() -> None:
@@ -232,7 +218,10 @@ def test_nonsense_on_the_graph_ends_no_view(domain: int) -> None:
         response.values = [nothing]
         return response
 
-    with node_beside('other', domain) as other, node_beside('pendulum', domain) as stranger:
+    with (
+        stranger_node('other', domain) as other,
+        stranger_node('pendulum', domain, serves_parameters=False) as stranger,
+    ):
         other.create_publisher(Time, '/clock', 10)  # its type comes before the right one in the alphabet
         executor = SingleThreadedExecutor(context=stranger.context)
         executor.add_node(stranger)

@@ -13,43 +13,17 @@ from rcl_interfaces.srv import (
     SetParameters,
     SetParametersAtomically,
 )
-from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
+from stranger_node import call_service, stranger_node
 
 from kapitsa_ros.rig import Rig
-from kapitsa_ros.rig.environment import on_loopback
 
 pytestmark = pytest.mark.xdist_group('processes')
 PATIENCE = 120.0
 OF_NO_TYPE = Parameter(name='rate', value=ParameterValue(type=99))
 SIM_TIME = Parameter(name='use_sim_time', value=ParameterValue(type=ParameterType.PARAMETER_BOOL, bool_value=True))
-
-
-class Caller:
-    """A node that calls services of one node of a rig."""
-
-    def __init__(self, domain: int, whom: str) -> None:
-        self._whom, self.context = whom, Context()
-        with on_loopback():
-            self.context.init(domain_id=domain)
-            self.node = Node('caller', context=self.context)
-        self._executor = SingleThreadedExecutor(context=self.context)
-        self._executor.add_node(self.node)
-
-    def call(self, kind: Any, service: str, **request: Any) -> Any:
-        client = self.node.create_client(kind, f'{self._whom}/{service}')
-        assert client.wait_for_service(PATIENCE)
-        future = client.call_async(kind.Request(**request))
-        self._executor.spin_until_future_complete(future, PATIENCE)
-        return future.result()
-
-    def close(self) -> None:
-        self._executor.shutdown()
-        self.node.destroy_node()
-        self.context.try_shutdown()
 
 
 @pytest.fixture(scope='module')
@@ -59,10 +33,9 @@ def rig() -> Iterator[Rig]:
 
 
 @pytest.fixture
-def caller(rig: Rig) -> Iterator[Caller]:
-    caller = Caller(rig.domain, 'jigsaw')
-    yield caller
-    caller.close()
+def caller(rig: Rig) -> Iterator[Node]:
+    with stranger_node('caller', rig.domain) as node:
+        yield node
 
 
 @pytest.mark.parametrize(
@@ -77,21 +50,22 @@ def caller(rig: Rig) -> Iterator[Caller]:
     ],
 )
 def test_calls_with_nonsense_are_answered(
-    rig: Rig, caller: Caller, kind: Any, service: str, request_fields: dict[str, Any]
+    rig: Rig, caller: Node, kind: Any, service: str, request_fields: dict[str, Any]
 ) -> None:
     """A type of parameter that does not exist ended the node with a traceback."""
-    assert caller.call(kind, service, **request_fields) is not None
+    assert call_service(caller, kind, f'jigsaw/{service}', **request_fields) is not None
     rig.wait_for('jigsaw/pivot', timeout=PATIENCE)
-    assert caller.call(Trigger, 'pause').success
-    assert caller.call(Trigger, 'resume').success
+    assert call_service(caller, Trigger, 'jigsaw/pause').success
+    assert call_service(caller, Trigger, 'jigsaw/resume').success
 
 
 def test_a_clock_before_the_rig_began_ends_no_node_that_follows_it(
-    rig: Rig, caller: Caller, eventually: Callable[[Callable[[], Any]], None]
+    rig: Rig, caller: Node, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
     """Anybody may have it follow the clock, and rclpy's handler refuses negative times."""
-    assert caller.call(SetParameters, 'set_parameters', parameters=[SIM_TIME]).results[0].successful
-    publisher = caller.node.create_publisher(Clock, '/clock', 10)
+    answer = call_service(caller, SetParameters, 'jigsaw/set_parameters', parameters=[SIM_TIME])
+    assert answer.results[0].successful
+    publisher = caller.create_publisher(Clock, '/clock', 10)
     early = Clock()
     early.clock.sec = -3
     process = rig.processes['jigsaw']

@@ -5,8 +5,7 @@ import random
 import select
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
+from stranger_node import call_service, stranger_node
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
@@ -214,36 +214,12 @@ def test_strangers_change_nothing_and_are_named(
             assert (tmp_path / 'A' / name / file.name).read_bytes() == file.read_bytes()
 
 
-@contextmanager
-def node_of_a_stranger(name: str, domain: int) -> Iterator[Node]:
-    context = Context()
-    with on_loopback():
-        context.init(domain_id=domain)
-        node = Node(name, context=context)
-    try:
-        yield node
-    finally:
-        node.destroy_node()
-        context.try_shutdown()
-
-
-def call(node: Node, service: str) -> None:
-    client = node.create_client(Trigger, service)
-    assert client.wait_for_service(PATIENCE)
-    executor = SingleThreadedExecutor(context=node.context)
-    executor.add_node(node)
-    answer = client.call_async(Trigger.Request())
-    executor.spin_until_future_complete(answer, PATIENCE)
-    executor.shutdown()
-    assert answer.result().success
-
-
 def test_who_goes_on_in_a_nodes_place_ends_the_run(
     tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
     """It has the node's name and the next step, and the graph shows one writer, as before."""
     setup = Setup(rate=2.0, bags=tmp_path)
-    with Rig(nodes=OTHERS, rate=2.0) as rig, node_of_a_stranger('strobe', rig.domain) as stranger:
+    with Rig(nodes=OTHERS, rate=2.0) as rig, stranger_node('strobe', rig.domain) as stranger:
         said: list[StepId] = []
         kind = message_class(STROBE_READING.type)
 
@@ -276,7 +252,7 @@ def test_who_speaks_before_a_node_joins_is_not_taken_for_it(
     tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
     with Rig(nodes=OTHERS, instruments='ideal') as rig:
-        with node_of_a_stranger('passer_by', rig.domain) as stranger:
+        with stranger_node('passer_by', rig.domain) as stranger:
             publisher = stranger.create_publisher(message_class(STROBE_READING.type), STROBE_READING.name, STREAM)
             eventually(lambda: publisher.get_subscription_count() == READERS)
             for role in READING:  # once its name is known
@@ -300,7 +276,7 @@ def test_who_speaks_before_a_node_joins_is_not_taken_for_it(
 def test_a_node_that_leaves_is_missed_whoever_bears_its_topics_name(
     tmp_path: Path, eventually: Callable[[Callable[[], Any]], None]
 ) -> None:
-    with Rig(nodes=OTHERS, rate=2.0) as rig, node_of_a_stranger('passer_by', rig.domain) as stranger:
+    with Rig(nodes=OTHERS, rate=2.0) as rig, stranger_node('passer_by', rig.domain) as stranger:
         with NodeGroup(['strobe'], parameters(Setup(bags=tmp_path, rate=2.0)), rig.domain):
             rig.wait_for('jigsaw/pivot', timeout=PATIENCE)
             stranger.create_publisher(String, STROBE_READING.name, 10)
@@ -316,10 +292,10 @@ def test_a_second_rig_in_one_process_gives_way(
 ) -> None:
     """Its nodes find one another before they can find those of the first; which waits, or it might be through."""
     first = parameters(Setup(bags=tmp_path / 'A', rate=1.0))
-    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes, node_of_a_stranger('hand', domain) as hand:
+    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes, stranger_node('hand', domain) as hand:
         while float(observer.wait_for_progress(PATIENCE)['simulated_s']) < 1.5 * DISCOVERY:
             nodes.check()
-        call(hand, 'jigsaw/pause')
+        assert call_service(hand, Trigger, 'jigsaw/pause').success
         for name in 'BC':
             told = parameters(Setup(bags=tmp_path / name, rate=1.0))
             with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
@@ -327,7 +303,7 @@ def test_a_second_rig_in_one_process_gives_way(
                 assert select.select([process.sentinel], [], [], PATIENCE)[0]
                 assert process.status() == 1
                 assert 'a rig is there already' in process.last_error_lines()
-        call(hand, 'jigsaw/resume')
+        assert call_service(hand, Trigger, 'jigsaw/resume').success
         while not nodes.wait(PATIENCE):
             pass
     for file in recorded[0].glob('*/*'):
