@@ -34,7 +34,7 @@ class ProcessNode(Node):
 
     Callbacks of services and subscriptions make the node due at once, but for those that have `ASKS_ITSELF`: numbered
     topics, which make up all but a few of its messages, and ask for little that is not done when they come. What a
-    callback cannot use, rclpy's own too, is refused: nobody ends a node by what he sends it.
+    callback cannot use, rclpy's own too, is refused: no message and no call ends a node.
 
     Parameters
     ----------
