@@ -53,11 +53,12 @@ class ParameterForwarder:
 
     def look(self) -> None:
         """Ask nodes that have come, and forget those that have gone."""
-        there = {
+        full_names = (
             f'{"" if space == "/" else space}/{name}'
             for name, space in self._node.get_node_names_and_namespaces()
-            if name in NODE_NAMES and is_full_name(f'{"" if space == "/" else space}/{name}')
-        }
+            if name in NODE_NAMES
+        )
+        there = set(filter(is_full_name, full_names))
         with self._news:
             for name in self._nodes.keys() - there:
                 self._nodes.pop(name).close()

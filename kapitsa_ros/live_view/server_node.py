@@ -8,7 +8,7 @@ pause and seek.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from foxglove.websocket import ServerListener
 from rosgraph_msgs.msg import Clock
@@ -28,6 +28,7 @@ from kapitsa_ros.recording.errors import BagError
 from kapitsa_ros.recording.reader import runs_of
 from kapitsa_ros.ros.arguments import FOXGLOVE_PORT, FOXGLOVE_SERVER
 from kapitsa_ros.ros.errors import SettingError
+from kapitsa_ros.ros.executor_tasks import guarded
 from kapitsa_ros.ros.parameters import declare
 from kapitsa_ros.ros.process_node import ProcessNode
 from kapitsa_ros.ros.qos import VIEW
@@ -69,6 +70,14 @@ class FoxgloveServerNode(ProcessNode, ServerListener):
         self._is_changed = False
         """Whether a client wants other topics than before."""
         self.create_subscription(Clock, '/clock', self._take_clock, VIEW)
+
+    def create_subscription(self, msg_type: Any, topic: str, callback: Any, *given: Any, **named: Any) -> Any:
+        """Subscribe; what cannot be shown is refused: a view computes nothing that others rely on."""
+
+        def refuse(error: Exception) -> None:
+            self.refuse(f'{topic}: {error or type(error).__name__}')
+
+        return super().create_subscription(msg_type, topic, guarded(callback, refuse), *given, **named)
 
     def open(self) -> None:
         """Begin to listen."""

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import threading
-import time
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -23,12 +21,13 @@ from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.quantities import to_si
 from kapitsa_ros.rig.domain import reserved_domain
 from kapitsa_ros.rig.environment import on_loopback
-from kapitsa_ros.rig.errors import RigError, UsageError
+from kapitsa_ros.rig.errors import UsageError
 from kapitsa_ros.rig.fork_server_process import fork_server
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.rig.shared_memory import removing_stale_segments
 from kapitsa_ros.rig.simulation_control import SimulationControl
+from kapitsa_ros.rig.waiting import wait_until
 from kapitsa_ros.ros.rig_client import TOPIC_NAMES, RigClient
 from kapitsa_ros.units import RPM
 
@@ -42,10 +41,6 @@ if TYPE_CHECKING:
 
 PATIENCE = 30.0
 """Seconds of wall time for which an answer is waited for."""
-_LOOK_PERIOD = 0.1
-"""Seconds between two looks at the graph: who joins it does not announce it with a message."""
-_LONGEST_WAIT = 60.0
-"""Seconds; `poll` takes no endless ones."""
 
 
 class Rig:
@@ -325,28 +320,8 @@ class Rig:
             raise UsageError('this rig does not run: use it within `with Rig() as rig:`')
 
     def _until(self, found: Callable[[], Any], timeout: float, what: str, topics: Sequence[str] | None = None) -> Any:
-        """Call `found` whenever there is news (of `topics`, or any) until it returns something else than None."""
         self._refuse_unless_running()
-        self._client.heed(topics)
-        look_period = _LOOK_PERIOD if topics is None else _LONGEST_WAIT
-        deadline = time.monotonic() + timeout
-        ended = False
-        while True:
-            self._client.clear_news()
-            self._client.check()
-            if ended:
-                self._client.refuse_disputed()
-            value = found()
-            if value is not None:
-                return value
-            if ended:
-                raise RigError('the session is over: {what} will not come', what=what)
-            left = deadline - time.monotonic()
-            if left <= 0 or math.isnan(left):
-                has_begun = any(self._client.seen.values())
-                why = self._client.told_missed(topics or ()) if has_begun else self._nodes.who_waits()
-                raise TimeoutError(f'{what} did not come within {timeout} s{why and f": {why}"}')
-            ended = self._nodes.wait(min(left, look_period), self._client.news)
+        return wait_until(found, self._client, self._nodes, timeout, what, topics)
 
 
 def _known(topic: str) -> str:

@@ -1,4 +1,4 @@
-"""What the executor runs as a task: handlers of events, and what a future calls when it is done."""
+"""Callbacks whose errors do not reach the executor: it runs handlers of events and of futures as tasks."""
 
 from __future__ import annotations
 

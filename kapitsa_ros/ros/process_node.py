@@ -33,8 +33,8 @@ class ProcessNode(Node):
     """Base of what `ros/main.py` runs.
 
     Callbacks of services and subscriptions make the node due at once, but for those that have `ASKS_ITSELF`: numbered
-    topics, which make up all but a few of its messages, and ask for little that is not done when they come. What a
-    callback cannot use, rclpy's own too, is refused: no message and no call ends a node.
+    topics, which make up all but a few of its messages, and ask for little that is not done when they come. What
+    rclpy's own callbacks cannot use, as parameters of no type, is refused; an error of ours ends the node.
 
     Parameters
     ----------
@@ -77,7 +77,8 @@ class ProcessNode(Node):
             try:
                 return callback(*given)
             except Exception as error:
-                if not self.context.ok():
+                is_of_rclpy = str(getattr(callback, '__module__', '')).startswith('rclpy.')
+                if not (is_of_rclpy and self.context.ok()):
                     raise
                 self.refuse(f'{what}: {error or type(error).__name__}')
                 return given[-1]  # of a service the answer, as it came

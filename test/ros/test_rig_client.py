@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from rclpy.context import Context
 from rclpy.node import Node
+from stranger_node import stranger_node
 
 from kapitsa_ros.instruments.strobe import StrobeReading
 from kapitsa_ros.network.cdr import encode_header
@@ -72,25 +73,18 @@ def test_what_two_have_said_is_told_on_leaving_a_rig(eventually: Callable[[Calla
 
 def test_what_came_before_it_was_found_is_told(eventually: Callable[[Callable[[], Any]], None]) -> None:
     """A reading that a program waits for may be among that."""
-    topic, context, steps = STROBE_READING.name, Context(), count(5)
-    with Rig(nodes=['jigsaw']) as rig:
-        with on_loopback():
-            context.init(domain_id=rig.domain)
-            strobe = Node('strobe', context=context)
+    topic, steps = STROBE_READING.name, count(5)
+    with Rig(nodes=['jigsaw']) as rig, stranger_node('strobe', rig.domain) as strobe:
         publisher = strobe.create_publisher(message_class(STROBE_READING.type), topic, STREAM)
 
         def say_next() -> None:
             reading = StrobeReading(time=1.0, speed=200.0)
             publisher.publish(STROBE_READING.encode(1, StepId(2, next(steps)), reading))
 
-        try:
-            eventually(lambda: say_next() or rig.latest(topic))
-            told = r'heard strobe/reading only from run 2 step \d+ on: name client, too, in the parameter expect'
-            with pytest.raises(TimeoutError, match=told):
-                rig.wait_for(topic, lambda _: False, timeout=0.1)
-        finally:
-            strobe.destroy_node()
-            context.try_shutdown()
+        eventually(lambda: say_next() or rig.latest(topic))
+        told = r'heard strobe/reading only from run 2 step \d+ on: name client, too, in the parameter expect'
+        with pytest.raises(TimeoutError, match=told):
+            rig.wait_for(topic, lambda _: False, timeout=0.1)
 
 
 def test_messages_of_strangers_are_left_out(domain: int, eventually: Callable[[Callable[[], Any]], None]) -> None:
