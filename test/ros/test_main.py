@@ -148,6 +148,47 @@ def run(text: str, domain: int) -> subprocess.CompletedProcess[str]:
     )
 
 
+OF_A_CALLBACK = """
+import sys
+from std_srvs.srv import Trigger
+import kapitsa_ros.nodes.pendulum as pendulum
+from kapitsa_ros.nodes.__main__ import main
+
+class Broken(pendulum.PendulumNode):
+    def __init__(self, *given):
+        super().__init__(*given)
+        self.create_subscription(Trigger.Event, 'broken', self.break_down, 10)
+        self.create_service(Trigger, 'broken', self.break_down)
+        self.told = self.{tells}
+        self.called = []
+
+    def break_down(self, *given):
+        raise ValueError('shapes')
+
+    def poll(self):
+        {call}
+        return 0.05
+
+pendulum.create = Broken
+sys.exit(main(['pendulum']))
+"""
+
+
+@pytest.mark.parametrize(
+    ('tells', 'call'),
+    [
+        ("create_publisher(Trigger.Event, 'broken', 10)", 'self.told.publish(Trigger.Event())'),
+        ("create_client(Trigger, 'broken')", 'self.called.append(self.told.call_async(Trigger.Request()))'),
+    ],
+)
+def test_a_bug_of_a_callback_ends_its_node(tells: str, call: str, domain: int) -> None:
+    """What rclpy's own callbacks cannot use is refused, and the node goes on; ours have no such excuse."""
+    bug = run(OF_A_CALLBACK.format(tells=tells, call=call), domain)
+    assert bug.returncode == 1
+    assert 'refused' not in bug.stderr
+    assert bug.stderr.rstrip().endswith('ValueError: shapes')
+
+
 def test_a_bug_is_shown_with_its_traceback_and_a_mistake_of_the_user_in_one_line(domain: int) -> None:
     bug = run(BUG.format(error="ValueError('shapes')"), domain)
     assert bug.returncode == 1
