@@ -10,13 +10,17 @@ from kapitsa_ros.physics.kernels import layout
 from kapitsa_ros.physics.kernels.cosine import advance_cosine
 from kapitsa_ros.physics.kernels.hermite import acceleration_series, stencil_weights
 from kapitsa_ros.physics.kernels.mathieu import half_period
-from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+from kapitsa_ros.physics.kernels.roots import NEVER, ROOM_ROWS, first_descent
 from kapitsa_ros.physics.kernels.series import shift, value, value_and_slope
 from kapitsa_ros.physics.kernels.slow_period import widths_after
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.units import RPM
 
 ROOTS = st.lists(st.floats(0.01, 3.0), min_size=0, max_size=5)
+
+
+def first_root(polynomial, end):
+    return first_descent(polynomial, end, np.full((ROOM_ROWS, polynomial.size), np.nan))
 
 
 @settings(max_examples=300)
@@ -31,7 +35,7 @@ def test_first_descent_finds_the_first_root(roots, pairs, end):
         polynomial = np.convolve(polynomial, [1.0, -1.0 / root])
     for real, imaginary in pairs:
         polynomial = np.convolve(polynomial, [real**2 + imaginary**2, -2 * real, 1.0])
-    found = first_descent(np.append(polynomial, 0.0), end)
+    found = first_root(np.append(polynomial, 0.0), end)
     if roots and roots[0] <= end:
         assert found == pytest.approx(roots[0], rel=1e-7)
     else:
@@ -39,9 +43,9 @@ def test_first_descent_finds_the_first_root(roots, pairs, end):
 
 
 def test_first_descent_leaves_behind_the_event_it_starts_from():
-    assert first_descent(np.array([0.0, 0.0, 1.0, -2.0]), 1.0) == pytest.approx(0.5, rel=1e-15)
-    assert first_descent(np.array([0.0, -1.0, 5.0]), 1.0) == 0.0
-    assert first_descent(np.array([0.0, 1.0, 1.0]), 1.0) == NEVER
+    assert first_root(np.array([0.0, 0.0, 1.0, -2.0]), 1.0) == pytest.approx(0.5, rel=1e-15)
+    assert first_root(np.array([0.0, -1.0, 5.0]), 1.0) == 0.0
+    assert first_root(np.array([0.0, 1.0, 1.0]), 1.0) == NEVER
 
 
 @settings(max_examples=100)
@@ -49,7 +53,7 @@ def test_first_descent_leaves_behind_the_event_it_starts_from():
 def test_a_shifted_polynomial_is_the_same(coefficients, by, at):
     series = np.array(coefficients)
     moved = series.copy()
-    shift(moved, by)
+    shift(moved, by, np.full_like(moved, np.nan))
     assert value(moved, at) == pytest.approx(np.polynomial.polynomial.polyval(by + at, series), abs=1e-9)
     slope = np.polynomial.polynomial.polyval(by, np.polynomial.polynomial.polyder(series))
     assert value_and_slope(moved, 0.0)[1] == pytest.approx(slope, abs=1e-9)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, GRAVITY, RATE
 from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval
 
@@ -75,7 +75,7 @@ def advance_cosine(
     return truncation
 
 
-@kernel
+@in_place_kernel
 def fill_drive_terms(
     amplitude: float, speed: float, step: float, turns: float, drive_terms: NDArray[np.float64]
 ) -> None:
@@ -86,14 +86,14 @@ def fill_drive_terms(
         term *= 2.0 * math.pi * turns / (n + 1)
 
 
-@kernel
+@in_place_kernel
 def at_phase(turn: float, start: float) -> tuple[float, float]:
     """Return cosine and sine of a phase in turns."""
     phase = 2.0 * math.pi * (turn - math.floor(turn) + start)
     return math.cos(phase), math.sin(phase)
 
 
-@kernel
+@in_place_kernel
 def fill_load(
     cosine: float,
     sine: float,

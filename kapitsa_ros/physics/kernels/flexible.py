@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.kernels.cosine import at_phase, fill_drive_terms, fill_load
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,7 +69,7 @@ def advance_flexible(
     return truncation
 
 
-@kernel
+@in_place_kernel
 def _expand(load: NDArray[np.float64], step: float, rod: NDArray[np.float64], work: NDArray[np.float64]) -> None:
     """Fill the series of θ and η from their first two terms.
 
@@ -103,7 +103,7 @@ def _expand(load: NDArray[np.float64], step: float, rod: NDArray[np.float64], wo
         eta_dot[n + 1] = (forcing - stiffness * eta[n] - damping * eta_dot[n]) / (n + 1)
 
 
-@kernel
+@in_place_kernel
 def _product(left: NDArray[np.float64], right: NDArray[np.float64], n: int) -> float:
     """Return the nth coefficient of a product."""
     total = 0.0
@@ -112,7 +112,7 @@ def _product(left: NDArray[np.float64], right: NDArray[np.float64], n: int) -> f
     return total
 
 
-@kernel
+@in_place_kernel
 def _chain(theta: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> float:
     """Return the (n − 1)th coefficient of θ̇ times a factor."""
     total = 0.0
@@ -121,7 +121,7 @@ def _chain(theta: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> f
     return total
 
 
-@kernel
+@in_place_kernel
 def _end(series: NDArray[np.float64], step: float) -> tuple[float, float]:
     """Return a series and its rate per second at the end of the step."""
     value, slope = 0.0, 0.0

@@ -43,7 +43,19 @@ def kernel(function: Callable[_P, _R], *, parallel: bool = False) -> Callable[_P
     written. Where none can, each process compiles for itself, and a line on stderr says so.
     """
     njit = numba.njit(fastmath={'contract'}, error_model='numpy', parallel=parallel)
-    compiled: Any = njit(function)
+    return _kept(njit(function), function)
+
+
+def in_place_kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Compile like a kernel what makes no array: references to those it is given are not counted.
+
+    To count them took as long as the arithmetic where a function works on a few dozen numbers. Numba refuses to compile
+    such a function if it does make an array.
+    """
+    return _kept(numba.njit(fastmath={'contract'}, error_model='numpy', _nrt=False)(function), function)
+
+
+def _kept(compiled: Any, function: Callable[_P, _R]) -> Callable[_P, _R]:
     if compiled is not function:  # as NUMBA_DISABLE_JIT leaves it
         try:
             compiled._cache = KernelCache(function)  # noqa: SLF001  # Numba has no other place for a cache of ours

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -94,7 +94,7 @@ def floquet_exponents(a: NDArray[np.float64], q: float) -> tuple[NDArray[np.floa
     return half_angle, spread
 
 
-@kernel
+@in_place_kernel
 def combine(weights: NDArray[np.float64], rows: NDArray[np.float64], out: NDArray[np.float64]) -> None:
     """Write weights @ rows into `out`: for thin matrices, and on one core whatever the BLAS would do."""
     for i in range(out.shape[0]):

@@ -1,3 +1,4 @@
+# ruff: noqa: PLR0917 (compiled functions take their arrays by position)
 """Play at the pivot: the hole rests on the pin, flies free of it and strikes it again.
 
 The pin's motion is prescribed. The hole's centre stays within ±D/2 of it; in contact it shares the pin's acceleration,
@@ -9,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel
 from kapitsa_ros.physics.kernels.layout import (
     ANGLE,
     CLEARANCE,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 SMALLEST_BOUNCE = 1e-12  # of the clearance: the last impact of a bouncing hole takes all the velocity that remains
 
 
-@kernel
+@in_place_kernel
 def expand_gap(
     load: NDArray[np.float64],
     step: float,
@@ -45,14 +46,11 @@ def expand_gap(
     gap: NDArray[np.float64],
 ) -> None:
     """Settle whether the hole rests on the pin as a piece begins, and fill `gap` with the series of its offset."""
-    if state[CLEARANCE] == 0.0:
-        return
-    gap[:] = 0.0
     if state[CONTACT] != IN_FLIGHT and state[CONTACT] * load[0] > 0.0:
         state[CONTACT] = IN_FLIGHT
-    gap[0] = state[GAP]
     if state[CONTACT] != IN_FLIGHT:
         return
+    gap[0] = state[GAP]
     gap[1] = step * state[GAP_RATE]
     for n in range(load.size):
         gap[n + 2] = -load[n] / ((n + 1) * (n + 2))
@@ -60,26 +58,30 @@ def expand_gap(
         gap[2] = 0.0
 
 
-@kernel
+@in_place_kernel
 def time_to_touch(
     load: NDArray[np.float64],
     gap: NDArray[np.float64],
     state: NDArray[np.float64],
     remaining: float,
+    event: NDArray[np.float64],
+    room: NDArray[np.float64],
 ) -> float:
     """Return when the hole lifts off the pin, or strikes it."""
-    if state[CLEARANCE] == 0.0:
-        return NEVER
     if state[CONTACT] != IN_FLIGHT:
-        return first_descent(-state[CONTACT] * load, remaining)
-    above = -gap
-    above[0] += 0.5 * state[CLEARANCE]
-    below = gap.copy()
-    below[0] += 0.5 * state[CLEARANCE]
-    return min(first_descent(above, remaining), first_descent(below, remaining))
+        for n in range(load.size):
+            event[n] = -state[CONTACT] * load[n]
+        return first_descent(event[: load.size], remaining, room)
+    soonest = NEVER
+    for side in (-1.0, 1.0):
+        for n in range(gap.size):
+            event[n] = side * gap[n]
+        event[0] += 0.5 * state[CLEARANCE]
+        soonest = min(soonest, first_descent(event[: gap.size], remaining, room))
+    return soonest
 
 
-@kernel
+@in_place_kernel
 def touch(
     load: NDArray[np.float64],
     step: float,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel
 from kapitsa_ros.physics.kernels.layout import (
     ANGLE,
     CLEARANCE,
@@ -30,7 +30,7 @@ from kapitsa_ros.physics.kernels.layout import (
     K,
 )
 from kapitsa_ros.physics.kernels.play import expand_gap, time_to_touch, touch
-from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+from kapitsa_ros.physics.kernels.roots import NEVER, ROOM_ROWS, first_descent
 from kapitsa_ros.physics.kernels.series import expand, shift, value_and_slope
 
 if TYPE_CHECKING:
@@ -38,10 +38,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 MOST_PIECES = 10_000
-WORK_ROWS = 7
+ANGLE_SERIES, SINE, COSINE, SLOPE, DRIVE, GAP_SERIES, LOAD, EVENT, SUMS, ROOM = range(10)
+WORK_ROWS = ROOM + ROOM_ROWS
 
 
-@kernel
+@in_place_kernel
 def advance_interval(
     load: NDArray[np.float64],
     start: float,
@@ -63,7 +64,8 @@ def advance_interval(
     plant, state
         As `layout` has them; `state` is changed in place.
     work
-        Shape (WORK_ROWS, order + 1): room for the series of θ, sin θ, cos θ, θ̇, drive, gap and load.
+        Shape (WORK_ROWS, order + 1): room for the series of θ, sin θ, cos θ, θ̇, drive, gap, load and what an event
+        is a root of, and for what finds it. On return row ANGLE_SERIES has the last series of θ.
 
     Returns
     -------
@@ -79,7 +81,7 @@ def advance_interval(
     return _advance_by_pieces(load, start, step, plant, state, work)
 
 
-@kernel
+@in_place_kernel
 def _advance_freely(
     load: NDArray[np.float64],
     step: float,
@@ -88,21 +90,21 @@ def _advance_freely(
     work: NDArray[np.float64],
 ) -> None:
     """Carry the state over a whole interval without friction and play: no event but the stop."""
-    angle = work[0]
+    angle = work[ANGLE_SERIES]
     _expand_angle(load, 0.0, step, plant, state, work)
     change, slope, bound = 0.0, 0.0, abs(angle[0])
     for n in range(angle.size - 1, 0, -1):
         change += angle[n]
         slope += n * angle[n]
         bound += abs(angle[n])
-    if bound >= plant[STOP] and _time_to_stop(angle, plant[STOP], 1.0) <= 1.0:
+    if bound >= plant[STOP] and _time_to_stop(plant[STOP], 1.0, work) <= 1.0:
         _rest_at_stop(state, plant)
         return
     state[ANGLE] += change
     state[RATE] = slope / step
 
 
-@kernel
+@in_place_kernel
 def _advance_by_pieces(
     load: NDArray[np.float64],
     start: float,
@@ -112,24 +114,29 @@ def _advance_by_pieces(
     work: NDArray[np.float64],
 ) -> bool:
     """Go from event to event; the load is re-centred at each."""
-    angle, gap = work[0], work[5, : load.size + 2]
-    work[6, : load.size] = load
-    load = work[6, : load.size]
+    given, load = load, work[LOAD, : load.size]
+    for n in range(load.size):
+        load[n] = given[n]
+    gap, sums = work[GAP_SERIES, : load.size + 2], work[SUMS, : load.size]
     if start > 0.0:
-        shift(load, start)
+        shift(load, start, sums)
+    has_friction, has_play = plant[COULOMB] != 0.0, state[CLEARANCE] != 0.0
     remaining = 1.0 - start
     slipping, lifting = False, False
     for _ in range(MOST_PIECES):
-        expand_gap(load, step, state, lifting, gap)
+        change, contact = NEVER, NEVER
+        if has_play:
+            expand_gap(load, step, state, lifting, gap)
+            contact = time_to_touch(load, gap, state, remaining, work[EVENT], work[ROOM:])
         _expand_piece(load, step, plant, state, work, slipping)
-        stop = _time_to_stop(angle, plant[STOP], remaining)
-        change = _time_to_friction_change(load, angle, step, plant, state, remaining, work[3, 1:])
-        contact = time_to_touch(load, gap, state, remaining)
+        if has_friction:
+            change = _time_to_friction_change(load, step, plant, state, remaining, work)
+        stop = _time_to_stop(plant[STOP], remaining, work)
         span = min(stop, change, contact, remaining)
-        _carry(angle, gap, span, step, state)
+        _carry(work[ANGLE_SERIES], gap, span, step, state)
         if span == remaining:
             return True
-        shift(load, span)
+        shift(load, span, sums)
         remaining -= span
         slipping, lifting = False, False
         if stop == span:
@@ -145,7 +152,7 @@ def _advance_by_pieces(
     return False
 
 
-@kernel
+@in_place_kernel
 def _carry(
     angle: NDArray[np.float64],
     gap: NDArray[np.float64],
@@ -161,7 +168,7 @@ def _carry(
         state[GAP_RATE] = slope / step
 
 
-@kernel
+@in_place_kernel
 def _expand_piece(
     load: NDArray[np.float64],
     step: float,
@@ -172,17 +179,18 @@ def _expand_piece(
 ) -> None:
     """Fill the angle's series of a piece, over which the rod slides one way or sticks."""
     friction = _friction(load, step, plant, state, slipping)
-    angle = work[0]
+    angle = work[ANGLE_SERIES]
     if state[MODE] == STUCK:
-        angle[:] = 0.0
         angle[0] = state[ANGLE]
+        for n in range(1, angle.size):
+            angle[n] = 0.0
         return
     _expand_angle(load, friction, step, plant, state, work)
     if slipping:  # in balance but for the last bit: the motion starts with the third derivative
         angle[2] = 0.0
 
 
-@kernel
+@in_place_kernel
 def _expand_angle(
     load: NDArray[np.float64],
     friction: float,
@@ -191,18 +199,18 @@ def _expand_angle(
     state: NDArray[np.float64],
     work: NDArray[np.float64],
 ) -> None:
-    drive = work[4, :-2]
+    angle, drive = work[ANGLE_SERIES], work[DRIVE, :-2]
     k = 0.0 if state[CONTACT] == IN_FLIGHT else plant[K]
     for n in range(load.size):
         drive[n] = k * load[n]
-    drive[load.size :] = 0.0
-    angle = work[0]
+    for n in range(load.size, drive.size):
+        drive[n] = 0.0
     angle[0] = state[ANGLE]
     angle[1] = step * state[RATE]
-    expand(drive, step * plant[DAMPING], friction, plant[LINEAR] != 0.0, angle, work[1], work[2], work[3])
+    expand(drive, step * plant[DAMPING], friction, plant[LINEAR] != 0.0, angle, work[SINE], work[COSINE], work[SLOPE])
 
 
-@kernel
+@in_place_kernel
 def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) -> float:
     """Return the load's share of θ″ (times h²)."""
     if state[CONTACT] == IN_FLIGHT:
@@ -211,7 +219,7 @@ def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) 
     return float(plant[K] * load * sin_theta)
 
 
-@kernel
+@in_place_kernel
 def _friction(
     load: NDArray[np.float64],
     step: float,
@@ -233,50 +241,56 @@ def _friction(
     return 0.0
 
 
-@kernel
+@in_place_kernel
 def _time_to_friction_change(
     load: NDArray[np.float64],
-    angle: NDArray[np.float64],
     step: float,
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
     remaining: float,
-    slope: NDArray[np.float64],
+    work: NDArray[np.float64],
 ) -> float:
     """Return when a sliding rod comes to rest, or a stuck one breaks loose."""
-    friction_limit = step * step * plant[COULOMB]
-    if friction_limit == 0.0:
-        return NEVER
+    angle = work[ANGLE_SERIES]
     if state[MODE] == STUCK:
-        load_torque = load * torque(1.0, plant, state)
-        ahead, behind = -load_torque, load_torque
-        ahead[0] = max(ahead[0] + friction_limit, 0.0)
-        behind[0] = max(behind[0] + friction_limit, 0.0)
-        return min(first_descent(ahead, remaining), first_descent(behind, remaining))
+        friction_limit = step * step * plant[COULOMB]
+        reserve = work[EVENT, : load.size]
+        torque_of_load = torque(1.0, plant, state)
+        soonest = NEVER
+        for factor in (-torque_of_load, torque_of_load):
+            for n in range(load.size):
+                reserve[n] = factor * load[n]
+            reserve[0] = max(reserve[0] + friction_limit, 0.0)
+            soonest = min(soonest, first_descent(reserve, remaining, work[ROOM:]))
+        return soonest
+    slope = work[EVENT, :-1]
     first = 1
     while angle[first] == 0.0 and first < angle.size - 1:
         first += 1
     direction = math.copysign(1.0, angle[first])
     for n in range(slope.size):
         slope[n] = direction * (n + 1) * angle[n + 1]
-    return first_descent(slope, remaining)
+    return first_descent(slope, remaining, work[ROOM:])
 
 
-@kernel
-def _time_to_stop(angle: NDArray[np.float64], stop: float, remaining: float) -> float:
+@in_place_kernel
+def _time_to_stop(stop: float, remaining: float, work: NDArray[np.float64]) -> float:
+    angle, room_left = work[ANGLE_SERIES], work[EVENT]
     bound = 0.0
     for n in range(angle.size):
         bound += abs(angle[n])
     if bound < stop:
         return NEVER
-    ahead = -angle
-    ahead[0] += stop
-    behind = angle.copy()
-    behind[0] += stop
-    return min(first_descent(ahead, remaining), first_descent(behind, remaining))
+    soonest = NEVER
+    for side in (-1.0, 1.0):
+        for n in range(angle.size):
+            room_left[n] = side * angle[n]
+        room_left[0] += stop
+        soonest = min(soonest, first_descent(room_left, remaining, work[ROOM:]))
+    return soonest
 
 
-@kernel
+@in_place_kernel
 def _rest_at_stop(state: NDArray[np.float64], plant: NDArray[np.float64]) -> None:
     state[ANGLE] = math.copysign(plant[STOP], state[ANGLE])
     state[RATE] = 0.0

@@ -10,21 +10,32 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel
 from kapitsa_ros.physics.kernels.series import BINOMIAL, shift, value, value_and_slope
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 NEVER = np.inf
+ROOM_ROWS = 3
+BINOMIAL_COLUMNS = np.ascontiguousarray(BINOMIAL.T)
 NARROWEST = 1e-13
 
 
-@kernel
-def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
+@in_place_kernel
+def first_descent(polynomial: NDArray[np.float64], end: float, room: NDArray[np.float64]) -> float:
     """Return the first τ in (0, end] at which a polynomial that starts positive comes down to zero.
 
     Leading coefficients that are exactly zero are divided out: a motion leaves behind the event it starts from.
+
+    Parameters
+    ----------
+    polynomial
+        Its coefficients.
+    end
+        Where to stop looking.
+    room
+        Shape (ROOM_ROWS, as many as coefficients, or more): to work in.
 
     Returns
     -------
@@ -44,21 +55,22 @@ def first_descent(polynomial: NDArray[np.float64], end: float) -> float:
         return NEVER
     if polynomial[lead] <= 0.0:
         return 0.0
-    room = np.empty((2, polynomial.size - lead))
-    scaled = room[0]
+    size = polynomial.size - lead
+    scaled = room[0, :size]
     power = 1.0
-    for n in range(scaled.size):
+    for n in range(size):
         scaled[n] = power * polynomial[lead + n]
         power *= end
-    return end * _first_in_unit(scaled, room[1])
+    return end * _first_in_unit(scaled, room[1, :size], room[2, :size])
 
 
-@kernel
-def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64]) -> float:
+@in_place_kernel
+def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64], sums: NDArray[np.float64]) -> float:
     start, width = 0.0, 1.0
     while start < 1.0:
-        local[:] = polynomial
-        changes = _sign_changes(local, start, width)
+        for n in range(local.size):
+            local[n] = polynomial[n]
+        changes = _sign_changes(local, start, width, sums)
         if changes == 0:
             start += width
             width = min(2.0 * width, 1.0 - start)
@@ -69,23 +81,27 @@ def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64]) 
     return NEVER
 
 
-@kernel
-def _sign_changes(local: NDArray[np.float64], start: float, width: float) -> int:
+@in_place_kernel
+def _sign_changes(local: NDArray[np.float64], start: float, width: float, sums: NDArray[np.float64]) -> int:
     """Count the sign changes over [start, start + width]; a zero at the right end counts as one. Destroys `local`."""
     degree = local.size - 1
     if start > 0.0:
-        shift(local, start)
+        shift(local, start, sums)
     scale = 1.0
     for n in range(1, degree + 1):
         scale *= width
         local[n] *= scale / BINOMIAL[degree, n]
+    for row in range(degree + 1):
+        sums[row] = 0.0
+    for n in range(degree + 1):
+        coefficient = local[n]
+        for row in range(n, degree + 1):
+            sums[row] += BINOMIAL_COLUMNS[n, row] * coefficient
     changes = 0
     negative = local[0] < 0.0
     weight = local[0]
     for row in range(1, degree + 1):
-        weight = 0.0
-        for n in range(row + 1):
-            weight += BINOMIAL[row, n] * local[n]
+        weight = sums[row]
         if weight != 0.0 and (weight < 0.0) != negative:
             changes += 1
             negative = not negative
@@ -94,7 +110,7 @@ def _sign_changes(local: NDArray[np.float64], start: float, width: float) -> int
     return changes
 
 
-@kernel
+@in_place_kernel
 def _refine(polynomial: NDArray[np.float64], low: float, high: float) -> float:
     """Newton's method kept inside a bracket that bisection would halve."""
     above, below = value(polynomial, low), value(polynomial, high)

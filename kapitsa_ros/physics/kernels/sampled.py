@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.kernels.hermite import acceleration_series
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, COULOMB, DAMPING, GRAVITY, HELD, MODE, MOVING, RATE, RELEASING
 from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval, torque
-from kapitsa_ros.physics.kernels.roots import NEVER, first_descent
+from kapitsa_ros.physics.kernels.roots import NEVER, ROOM_ROWS, first_descent
 from kapitsa_ros.physics.kernels.series import value
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def advance_block(
     return DONE
 
 
-@kernel
+@in_place_kernel
 def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.float64]) -> bool:
     """Tell whether the series of the pivot's acceleration still has something to say where it ends."""
     highest, rounding = 0.0, 0.0
@@ -108,14 +108,14 @@ def _release(velocity: float, acceleration: NDArray[np.float64], state: NDArray[
     if resting or (velocity_series[1] > 0.0 and abs(velocity_series[0]) < ON_TIME * velocity_series[1]):
         at = 0.0
     elif velocity_series[0] < 0.0:
-        at = first_descent(-velocity_series, 1.0)
+        at = first_descent(-velocity_series, 1.0, np.empty((ROOM_ROWS, velocity_series.size)))
     if at < 1.0:
         state[MODE] = MOVING
         state[RELEASING] = 0.0
     return at
 
 
-@kernel
+@in_place_kernel
 def _record(
     load: float,
     period: float,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import kernel
+from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,7 +27,7 @@ _PHASES = np.sin((np.arange(4) + 0.5) * math.pi / 8.0)  # midpoints: the integra
 _NODES = 0.5 * (np.polynomial.legendre.leggauss(2)[0] + 1.0)  # of the time of a timing, equally weighted
 
 
-@kernel
+@in_place_kernel
 def small_swings_at(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
     """Fill in Ω of small swings, rad/s, of M rods at a speed each: arrays of shape (M,).
 
@@ -59,7 +59,7 @@ def small_swings(k: Array, amplitude: Array, damping: Array, speed: Array, gravi
         slow[:, run] = found
 
 
-@kernel
+@in_place_kernel
 def friction_factor(ratio: float, factors: Array, spacing: float) -> float:
     """Return K(r) from its table at even distances, from 0 on."""
     place = ratio / spacing
@@ -69,7 +69,7 @@ def friction_factor(ratio: float, factors: Array, spacing: float) -> float:
     return float(factors[index] + (place - index) * (factors[index + 1] - factors[index]))
 
 
-@kernel
+@in_place_kernel
 def widths_after(
     k: Array,
     amplitude: Array,
@@ -88,7 +88,7 @@ def widths_after(
         width[rod] = max(start * math.exp(-decay) - loss[rod] * periods * mean, 0.0)
 
 
-@kernel
+@in_place_kernel
 def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: float, slower: Array) -> None:
     """Add by how much the potential makes swings of some width slower than small ones, once for each phase."""
     for rod in range(slower.size):
@@ -105,7 +105,7 @@ def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: fl
         slower[rod] = total
 
 
-@kernel
+@in_place_kernel
 def period_errors(reach: Array, of_speed: Array, variance: Array, period: Array, doubt: Array, sigma: Array) -> None:
     """Fill in the standard uncertainty of each period, s, shape (M, N).
 
