@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 
 MOST_PIECES = 10_000
 ANGLE_SERIES, SINE, COSINE, SLOPE, DRIVE, GAP_SERIES, LOAD, EVENT, SUMS, ROOM = range(10)
+"""Rows of the work space; from ROOM on they are those of `first_descent`."""
 WORK_ROWS = ROOM + ROOM_ROWS
 
 
@@ -64,8 +65,7 @@ def advance_interval(
     plant, state
         As `layout` has them; `state` is changed in place.
     work
-        Shape (WORK_ROWS, order + 1): room for the series of θ, sin θ, cos θ, θ̇, drive, gap, load and what an event
-        is a root of, and for what finds it. On return row ANGLE_SERIES has the last series of θ.
+        Work space, shape (WORK_ROWS, order + 1). On return row ANGLE_SERIES has the last series of θ.
 
     Returns
     -------

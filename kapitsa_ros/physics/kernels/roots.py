@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 NEVER = np.inf
 ROOM_ROWS = 3
+"""Of the work space: the scaled polynomial, its part in an interval, sums."""
 BINOMIAL_COLUMNS = np.ascontiguousarray(BINOMIAL.T)
 NARROWEST = 1e-13
 
@@ -33,9 +34,9 @@ def first_descent(polynomial: NDArray[np.float64], end: float, room: NDArray[np.
     polynomial
         Its coefficients.
     end
-        Where to stop looking.
+        Where to stop looking, above 0.
     room
-        Shape (ROOM_ROWS, as many as coefficients, or more): to work in.
+        Work space, shape (ROOM_ROWS, at least as many as coefficients).
 
     Returns
     -------
