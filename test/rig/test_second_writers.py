@@ -301,8 +301,10 @@ def test_a_second_rig_in_one_process_gives_way(
             with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
                 process = second['jigsaw']
                 assert select.select([process.sentinel], [], [], PATIENCE)[0]
-                assert process.status() == 1
-                assert 'a rig is there already' in process.last_error_lines()
+                said = process.last_error_lines()
+                assert process.status() == 1, said
+                # It may hear what the first has said before DDS has told it who that is.
+                assert 'a rig is there already' in said or 'has a second writer, a node without a name yet' in said
         assert call_service(hand, Trigger, 'jigsaw/resume').success
         while not nodes.wait(PATIENCE):
             pass
