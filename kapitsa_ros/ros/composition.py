@@ -60,7 +60,7 @@ class Composition:
         return self._in_making if self._loop is None else self._loop.at_work.role.name
 
     def make(self) -> None:
-        """Make the nodes.
+        """Make the nodes, while no signal shuts ROS down.
 
         Raises
         ------
@@ -76,6 +76,12 @@ class Composition:
             self._in_making = node.role.name
             node.open()
         self._loop = NodeLoop(self._nodes)
+        self._executor = EventsExecutor()
+        for node in self._nodes:
+            self._executor.add_node(node)
+        # It registers what the nodes have when it spins first: where a signal shuts the context in the middle of that,
+        # some of it stays registered, and its destructor aborts.
+        self._executor.spin_once(timeout_sec=0.0)
 
     def spin(self, parent: int | None) -> None:
         """Let the nodes work until all have finished, ROS is shut down or the parent process is gone; then close them.
@@ -87,9 +93,6 @@ class Composition:
 
         """
         assert self._loop is not None  # noqa: S101  # they are made
-        self._executor = EventsExecutor()
-        for node in self._nodes:
-            self._executor.add_node(node)
         try:
             while not self._loop.is_over and rclpy.ok() and parent in (None, os.getppid()):
                 # One call for all messages until a node is due: to come back with each would cost a tenth of the time.

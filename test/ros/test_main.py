@@ -76,6 +76,39 @@ def test_the_program_that_ran_a_node_lives_on(domain: int) -> None:
     assert host.returncode == 0
 
 
+IN_THE_MIDDLE = """
+import os, signal, sys, time
+import kapitsa_ros.nodes.pendulum as pendulum
+from kapitsa_ros.nodes.__main__ import main
+
+asked = []
+
+def interrupting(call):
+    def ask():
+        asked.append(call)
+        if len(asked) == 3:
+            os.kill(os.getpid(), signal.SIGINT)
+            time.sleep(0.3)  # in which rclpy's own thread would shut the context
+        return call()
+    return ask
+
+class Interrupted(pendulum.PendulumNode):
+    def __init__(self, *given):
+        super().__init__(*given)
+        for waitable in self.waitables:
+            waitable.get_num_entities = interrupting(waitable.get_num_entities)
+
+pendulum.create = Interrupted
+print(main(['pendulum']), len(asked) > 3)
+"""
+
+
+def test_a_signal_while_the_executor_registers_a_node_ends_that_alone(domain: int) -> None:
+    """What was half registered made the executor's destructor abort, and the program with it."""
+    done = run(IN_THE_MIDDLE, domain)
+    assert (done.stdout, done.returncode) == ('0 True\n', 0)
+
+
 AFTER_HELP = """
 from kapitsa_ros.nodes.__main__ import main
 main(['pendulum', '--help'])
