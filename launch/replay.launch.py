@@ -2,7 +2,13 @@
 
 from pathlib import Path
 
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, OpaqueFunction, SetEnvironmentVariable
+from launch.actions import (
+    DeclareLaunchArgument,
+    IncludeLaunchDescription,
+    LogInfo,
+    OpaqueFunction,
+    SetEnvironmentVariable,
+)
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -13,6 +19,7 @@ from kapitsa_ros.rig.launch_arguments import (
     TRUTH_VALUES,
     executables,
     given_to_viewer,
+    misspelt,
     node_options,
     replay_from,
 )
@@ -51,6 +58,11 @@ def nodes(context: LaunchContext) -> list[LaunchDescriptionEntity]:
     return started
 
 
+def misspelt_arguments(context: LaunchContext) -> list[LaunchDescriptionEntity]:
+    """Say which arguments were given that may be meant for others."""
+    return [LogInfo(msg=line) for line in misspelt(context.launch_configurations, ARGUMENTS)]
+
+
 def generate_launch_description() -> LaunchDescription:
     """Declare the arguments and start the nodes."""
     declared = [
@@ -58,4 +70,5 @@ def generate_launch_description() -> LaunchDescription:
         for name, (default, text, choices) in ARGUMENTS.items()
     ]
     environment = [SetEnvironmentVariable(name, value) for name, value in loopback().items()]
-    return LaunchDescription([*declared, *environment, OpaqueFunction(function=nodes)])
+    functions = [OpaqueFunction(function=function) for function in (misspelt_arguments, nodes)]
+    return LaunchDescription([*declared, *environment, *functions])

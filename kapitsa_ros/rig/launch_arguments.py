@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from contextlib import contextmanager
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,7 @@ from kapitsa_ros.ros.params_file import read_params_file
 from kapitsa_ros.schema import describe, description_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 PLANT_ARGUMENTS = {item.name: description_of(item) for item in describe(Plant)}
 """Launch arguments that stand for a parameter of the plant, and what they mean."""
@@ -67,6 +68,16 @@ def rig_from(arguments: Mapping[str, str]) -> Setup:
             bags=Path(arguments['bags']).expanduser(),
             compression=arguments['compression'],
         )
+
+
+def misspelt(given: Iterable[str], known: Collection[str]) -> list[str]:
+    """Return in words which arguments of a launch are none of its own, but much like one.
+
+    launch takes any name without a word. Those that are like none may be of a file that includes this one.
+    """
+    unknown = sorted(name for name in set(given) - set(known) if not name.startswith('ros_'))  # launch_ros keeps such
+    likely = ((name, get_close_matches(name, known, n=1, cutoff=0.75)) for name in unknown)
+    return [f'{name}:= is unknown, and not used: {close[0]}:= may be meant' for name, close in likely if close]
 
 
 def make_ready(setup: Setup) -> None:

@@ -23,6 +23,7 @@ from kapitsa_ros.rig.launch_arguments import (
     executables,
     given_to_viewer,
     make_ready,
+    misspelt,
     namespace_of,
     node_options,
     replay_from,
@@ -254,3 +255,10 @@ def test_ros2_launch_carries_out_and_refuses_to_repeat(tmp_path: Path, domain: i
     assert second.returncode == 1
     assert 'run_01_2240rpm exists' in second.stdout + second.stderr
     assert 'process started' not in second.stdout
+
+
+def test_an_argument_that_is_none_but_much_like_one_is_named() -> None:
+    """launch takes it without a word, and the rig has the length that it has without."""
+    known = {*PLANT_ARGUMENTS, *SAID, 'namespace'}
+    given = {*known, 'lenght', 'robot', 'ros_namespace', 'launch-prefix'}
+    assert misspelt(given, known) == ['lenght:= is unknown, and not used: length:= may be meant']
