@@ -58,7 +58,7 @@ class AnalyserNode(StepNode):
 def _is_short(value: Any) -> bool:
     """Whether it is a number, a word or an interval; the rest is in the result."""
     if isinstance(value, list):
-        return len(value) <= 2 and all(map(_is_short, value))  # both ends
+        return 1 <= len(value) <= 2 and all(map(_is_short, value))  # both ends
     return not isinstance(value, dict)
 
 
