@@ -301,10 +301,11 @@ def test_a_second_rig_in_one_process_gives_way(
             with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
                 process = second['jigsaw']
                 assert select.select([process.sentinel], [], [], PATIENCE)[0]
+                nodes.check()
                 said = process.last_error_lines()
-                assert process.status() == 1, said
-                # It may hear what the first has said before DDS has told it who that is.
-                assert 'a rig is there already' in said or 'has a second writer, a node without a name yet' in said
+                assert process.status() == 1, (said, sorted(path.name for path in (tmp_path / name).glob('*')))
+                # On a busy machine it may hear what the first has said before it knows that this is a rig.
+                assert 'a rig is there already' in said or 'has a second writer' in said
         assert call_service(hand, Trigger, 'jigsaw/resume').success
         while not nodes.wait(PATIENCE):
             pass
