@@ -45,7 +45,10 @@ class WriterWatch:
         self._matched = 0
         self._own: bytes | None = None
         self._newcomers = False
-        """Whether somebody was there since the topic's own writer was last known to be."""
+        """Whether somebody may have been there since the topic's own writer was last known to be.
+
+        That may have been itself, late on the graph: only the count of all matches tells.
+        """
         self._is_shown = True
         """Whether the graph shows what the last match event told of."""
         self._lagging_until = 0.0
@@ -111,7 +114,7 @@ class WriterWatch:
         if self._own in self._heard:
             name = self._heard[self._own]
             return None if self._may_be_own(name) else f'was written by {name}, whose topic it is not'
-        if not self._newcomers:  # what has been said before may still be on its way
+        if not self._newcomers or self.has_been_alone:  # what has been said before may still be on its way
             return None
         others = ', '.join(self.strangers()) or 'a node that has left'
         return f'has lost its writer in mid-session, and has another: {others}'
