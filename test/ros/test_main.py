@@ -77,7 +77,8 @@ def test_the_program_that_ran_a_node_lives_on(domain: int) -> None:
 
 
 IN_THE_MIDDLE = """
-import os, signal, sys, time
+import os, signal, time
+import rclpy
 import kapitsa_ros.nodes.pendulum as pendulum
 from kapitsa_ros.nodes.__main__ import main
 
@@ -88,7 +89,9 @@ def interrupting(call):
         asked.append(call)
         if len(asked) == 3:
             os.kill(os.getpid(), signal.SIGINT)
-            time.sleep(0.3)  # in which rclpy's own thread would shut the context
+            # Where it is let through, rclpy's own thread shuts the context.
+            while signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ()) and rclpy.ok():
+                time.sleep(0.01)
         return call()
     return ask
 

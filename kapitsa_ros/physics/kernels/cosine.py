@@ -10,7 +10,7 @@ import numpy as np
 
 from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, GRAVITY, RATE
-from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval
+from kapitsa_ros.physics.kernels.rod import ANGLE_SERIES, WORK_ROWS, advance_interval
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -69,7 +69,7 @@ def advance_cosine(
             fill_load(cosine, sine, drive_terms, weight, load)
             if not advance_interval(load, 0.0, step, plant, state, work):
                 return TOO_MANY_EVENTS
-            truncation = max(truncation, abs(work[0, -1]))
+            truncation = max(truncation, abs(work[ANGLE_SERIES, -1]))
         motion[0, sample] = state[ANGLE]
         motion[1, sample] = state[RATE]
     return truncation

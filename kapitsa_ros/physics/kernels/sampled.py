@@ -10,7 +10,7 @@ import numpy as np
 from kapitsa_ros.physics.kernels.hermite import acceleration_series
 from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, COULOMB, DAMPING, GRAVITY, HELD, MODE, MOVING, RATE, RELEASING
-from kapitsa_ros.physics.kernels.rod import WORK_ROWS, advance_interval, torque
+from kapitsa_ros.physics.kernels.rod import ANGLE_SERIES, WORK_ROWS, advance_interval, torque
 from kapitsa_ros.physics.kernels.roots import NEVER, ROOM_ROWS, first_descent
 from kapitsa_ros.physics.kernels.series import value
 
@@ -72,7 +72,7 @@ def advance_block(
         load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
             return TOO_MANY_EVENTS
-        if not abs(work[0, -1]) <= TRUNCATION:
+        if not abs(work[ANGLE_SERIES, -1]) <= TRUNCATION:
             return TOO_FAST
         at_end = load[i + 1, 0] + weight if i + 1 < intervals else value(load[i], 1.0)
         _record(at_end, period, plant, state, motion[:, i + 1])
