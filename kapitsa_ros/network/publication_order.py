@@ -56,6 +56,11 @@ class PublicationOrder:
         if self._doubtful is None:
             self._doubtful = self._last[0] if self._last else 0
 
+    def note_unreadable(self, publication: int | None) -> None:
+        """Note a publication that cannot be read: it may tell of another writer before its match event does."""
+        if publication is not None and self._last is not None and publication <= self._last[0]:
+            self.note_another()
+
     def classify(self, publication: int | None, step_id: StepId) -> Provenance:
         """Return what a message is, and remember it if it goes on where the last one was.
 
@@ -73,6 +78,7 @@ class PublicationOrder:
             return self._classify_first(publication, step_id)
         last, last_step = self._last
         if publication <= last:
+            self.note_another()  # each writer's come in order, and once; the match event may be late
             return Provenance.CONTESTED if self._is_contested(publication, step_id) else Provenance.FOREIGN
         if publication > last + 1 and not self._is_alone():
             return Provenance.CONTESTED if self._before is None and step_id == last_step else Provenance.FOREIGN

@@ -125,6 +125,7 @@ class NumberedSubscription:
         try:
             step_id = read_step_id(raw)
         except WireError as error:
+            self._order.note_unreadable(publication)
             strangers = ', '.join(self.strangers())
             self._refuse(f'{name}: {error}{f" ({strangers} writes there too)" if strangers else ""}')
             return

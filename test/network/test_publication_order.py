@@ -49,6 +49,20 @@ def test_a_stranger_whose_message_came_before_the_news_of_it_is_found_too() -> N
     assert order.classify(11, StepId(1, 10)) is CONTESTED
 
 
+def test_a_stranger_is_found_by_its_messages_alone_where_the_news_of_it_is_late() -> None:
+    """Both had spoken before the match event was heard: the stranger was believed, and the writer refused."""
+    order = after(10)
+    assert order.classify(11, StepId(1, 10)) is OWN
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
+
+
+def test_a_stranger_that_said_what_cannot_be_read_first_is_found_by_that() -> None:
+    order = after(10)
+    order.note_unreadable(10)
+    assert [order.classify(number + 1, StepId(1, number)) for number in (10, 11)] == [OWN] * 2
+    assert order.classify(11, StepId(1, 10)) is CONTESTED
+
+
 def test_a_stranger_that_has_left_before_anyone_looked_is_found_too() -> None:
     """It had counted on far enough, and the graph shows one writer again."""
     order = after(10)
