@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -38,6 +38,7 @@ from kapitsa_ros.ros.peer_discovery import PeerDiscovery
 from kapitsa_ros.ros.process_node import ProcessNode
 from kapitsa_ros.ros.qos import LATCHED, STREAM, message_class
 from kapitsa_ros.ros.throttle import Throttle
+from kapitsa_ros.ros.topic_lock import topic_lock
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -98,6 +99,7 @@ class DataflowNode(ProcessNode):
         if role.reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
         self.writes = role.writes
+        self._locks = ExitStack()
         self._out = {
             topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
         }
@@ -131,6 +133,23 @@ class DataflowNode(ProcessNode):
         return math.inf
 
     # What every role has.
+
+    def open(self) -> None:
+        """Lock its topics: who writes them on this machine already may be one that DDS has not found yet.
+
+        Raises
+        ------
+        NodeError
+            Another process writes one.
+
+        """
+        for name in self._out:
+            self._locks.enter_context(topic_lock(self.resolve_topic_name(name), self.context.get_domain_id()))
+
+    def destroy_node(self) -> None:
+        """Unlock its topics, once nobody can hear it any more."""
+        super().destroy_node()  # type: ignore[no-untyped-call]
+        self._locks.close()
 
     def get_logger(self) -> NodeLogger:
         """Return the logger."""

@@ -98,8 +98,8 @@ class ProcessNode(Node):
 
         Raises
         ------
-        SettingError
-            It cannot be done as the parameters want it.
+        NodeError
+            It cannot be done here, or not as the parameters want it.
 
         """
 

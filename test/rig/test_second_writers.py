@@ -2,7 +2,7 @@
 
 import json
 import random
-import select
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -17,8 +17,7 @@ from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
-from stranger_node import call_service, stranger_node
+from stranger_node import stranger_node
 
 from kapitsa_ros.instruments.stopwatch import StopwatchReading
 from kapitsa_ros.instruments.strobe import StrobeReading
@@ -32,7 +31,6 @@ from kapitsa_ros.rig import Rig, RigError
 from kapitsa_ros.rig.environment import on_loopback
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
-from kapitsa_ros.ros.peer_discovery import DISCOVERY
 from kapitsa_ros.ros.qos import LATCHED, STREAM, VIEW, message_class
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 from kapitsa_ros.units import RPM
@@ -287,27 +285,26 @@ def test_a_node_that_leaves_is_missed_whoever_bears_its_topics_name(
             rig.wait_for('jigsaw/pivot', lambda _: False, PATIENCE)
 
 
-def test_a_second_rig_in_one_process_gives_way(
-    recorded: tuple[Path, dict[str, Any]], domain: int, observer: SessionMonitor, tmp_path: Path
+def wait_for_end(nodes: NodeGroup) -> None:
+    while not nodes.wait(PATIENCE):
+        pass
+
+
+@pytest.mark.parametrize('composed', [True, False], ids=['composed', 'processes'])
+def test_a_second_rig_gives_way_to_one_that_stands_still(
+    recorded: tuple[Path, dict[str, Any]], domain: int, observer: SessionMonitor, tmp_path: Path, *, composed: bool
 ) -> None:
-    """Its nodes find one another before they can find those of the first; which waits, or it might be through."""
-    first = parameters(Setup(bags=tmp_path / 'A', rate=1.0))
-    with NodeGroup(ROLE_NAMES, first, domain, composed=True) as nodes, stranger_node('hand', domain) as hand:
-        while float(observer.wait_for_progress(PATIENCE)['simulated_s']) < 1.5 * DISCOVERY:
-            nodes.check()
-        assert call_service(hand, Trigger, 'jigsaw/pause').success
-        for name in 'BC':
-            told = parameters(Setup(bags=tmp_path / name, rate=1.0))
-            with NodeGroup(ROLE_NAMES, told, domain, composed=True) as second:
-                process = second['jigsaw']
-                assert select.select([process.sentinel], [], [], PATIENCE)[0]
-                nodes.check()
-                said = process.last_error_lines()
-                assert process.status() == 1, (said, sorted(path.name for path in (tmp_path / name).glob('*')))
-                # On a busy machine it may hear what the first has said before it knows that this is a rig.
-                assert 'a rig is there already' in said or 'has a second writer' in said
-        assert call_service(hand, Trigger, 'jigsaw/resume').success
-        while not nodes.wait(PATIENCE):
-            pass
+    """On a busy machine DDS found the first after seconds: the second went on, and the first ended with an error."""
+    with NodeGroup(ROLE_NAMES, parameters(Setup(bags=tmp_path / 'A', rate=1.0)), domain, composed=True) as nodes:
+        observer.wait_for_progress(PATIENCE)
+        nodes['jigsaw'].end(signal.SIGSTOP)
+        told = parameters(Setup(bags=tmp_path / 'B'))
+        with (
+            NodeGroup(ROLE_NAMES, told, domain, composed=composed) as second,
+            pytest.raises(RigError, match=f'writes .* in domain {domain}: a rig is there already; choose another'),
+        ):
+            wait_for_end(second)
+        nodes['jigsaw'].end(signal.SIGCONT)
+        wait_for_end(nodes)
     for file in recorded[0].glob('*/*'):
         assert (tmp_path / 'A' / file.relative_to(recorded[0])).read_bytes() == file.read_bytes()
