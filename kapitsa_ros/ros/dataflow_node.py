@@ -78,6 +78,7 @@ class DataflowNode(ProcessNode):
     """
 
     def __init__(self, role: Role) -> None:
+        self._locks = ExitStack()  # what is made half is destroyed, too
         super().__init__(role)
         names = REPLAY_NAMES if role is PLAYER else REQUIRED_NAMES
         expect = declare(self, 'expect', list(names), 'roles of the graph: no step is emitted before they are matched')
@@ -99,7 +100,6 @@ class DataflowNode(ProcessNode):
         if role.reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
         self.writes = role.writes
-        self._locks = ExitStack()
         self._out = {
             topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
         }
