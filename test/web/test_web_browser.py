@@ -215,6 +215,19 @@ def test_a_whole_laboratory_by_keyboard_and_mouse(
     playwright.expect(the(page, 'speed')).to_be_enabled()
 
 
+def test_what_cannot_be_done_before_a_page_is_loaded_is_seen_to_be(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    held: list[Any] = []
+    page.route('**/words.json*', lambda route: held.append(route))  # noqa: PLW0108  # Playwright marks its handlers
+    with page.expect_request('**/words.json*'):
+        page.reload(wait_until='commit')
+    for name in ('pause', 'step', 'pace', 'next-run', 'describe', 'speed', 'stopwatch', 'write', 'look'):
+        playwright.expect(the(page, name)).to_be_disabled()
+    held[0].continue_()
+    for name in ('pause', 'pace', 'next-run', 'describe', 'speed', 'stopwatch', 'write', 'look'):
+        playwright.expect(the(page, name)).to_be_enabled()
+
+
 def test_of_two_tabs_the_second_watches(open_page: Callable[..., Any]) -> None:
     first, second = open_page(reduced_motion='no-preference'), open_page()
     wait_text(second, 'status', 'run')

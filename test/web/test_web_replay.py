@@ -97,7 +97,13 @@ def test_a_run_is_scrubbed_stepped_and_played_in_the_page(replay: Any) -> None:
         asked: list[str] = []
         page.on('pageerror', lambda error: wrong.append(str(error)))
         page.on('request', lambda request: asked.append(request.url))
-        page.goto(replay.url)
+        loading: list[Any] = []
+        page.route('**/runs.json*', lambda route: loading.append(route))  # noqa: PLW0108  # Playwright marks it
+        with page.expect_request('**/runs.json*'):
+            page.goto(replay.url, wait_until='commit')
+        for name in ('place', 'pause', 'back', 'step', 'pace', 'run', 'describe', 'dial', 'images'):
+            playwright.expect(page.get_by_test_id(name)).to_be_disabled()  # there is nothing to play yet
+        loading[0].continue_()
         status = page.get_by_test_id('status')
         playwright.expect(status).to_contain_text('run_01_2240rpm · 0.0 of 15.5 s')
         playwright.expect(status).to_contain_text('0 RPM asked for')

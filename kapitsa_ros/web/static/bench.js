@@ -145,4 +145,5 @@ bindKnobs(ask, now, bench, { describe, saw, refuse });
 bindKeys(ask, now, bench, { describe });
 bindPull($('rig'), ask, bench, () => store.at(now()));
 bindHandIn(ask, refuse);
+for (const id of ['describe', 'sound']) $(id).disabled = false; // the others wait for the first report
 drawFrames(() => bench.rig && bench.knobs, () => [now(), bench.rig, bench.knobs, bench.pulled], draw);

@@ -214,6 +214,7 @@ function bind() {
     event.preventDefault();
     act();
   });
+  for (const control of document.querySelectorAll(':disabled')) control.disabled = false;
 }
 
 followColors(() => {
