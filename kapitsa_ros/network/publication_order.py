@@ -51,9 +51,14 @@ class PublicationOrder:
         self._doubtful: int | None = None
         """The first publication that may be another writer's: before it all are the writer's own."""
 
+    @property
+    def knows_another(self) -> bool:
+        """Whether there was news of another writer."""
+        return self._doubtful is not None
+
     def note_another(self) -> None:
         """Note that there is another writer: one of its messages may have come before the news of it, as the last."""
-        if self._doubtful is None:
+        if not self.knows_another:
             self._doubtful = self._last[0] if self._last else 0
 
     def note_unreadable(self, publication: int | None) -> None:

@@ -78,7 +78,7 @@ class DataflowNode(ProcessNode):
     """
 
     def __init__(self, role: Role) -> None:
-        self._locks = ExitStack()  # what is made half is destroyed, too
+        self._locks = ExitStack()  # before the rest: a node whose constructor fails is destroyed, too
         super().__init__(role)
         names = REPLAY_NAMES if role is PLAYER else REQUIRED_NAMES
         expect = declare(self, 'expect', list(names), 'roles of the graph: no step is emitted before they are matched')

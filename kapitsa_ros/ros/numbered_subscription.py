@@ -89,7 +89,7 @@ class NumberedSubscription:
     @property
     def has_had_one_writer(self) -> bool:
         """Whether its own writer was the only one that was ever there."""
-        return self._watch.is_known and self._watch.has_been_alone
+        return self._watch.is_known and not self._order.knows_another
 
     def strangers(self) -> list[str]:
         """Return the names of nodes that write the topic besides the one whose topic it is."""

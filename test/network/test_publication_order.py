@@ -53,7 +53,9 @@ def test_a_stranger_is_found_by_its_messages_alone_where_the_news_of_it_is_late(
     """Both had spoken before the match event was heard: the stranger was believed, and the writer refused."""
     order = after(10)
     assert order.classify(11, StepId(1, 10)) is OWN
+    assert not order.knows_another
     assert order.classify(11, StepId(1, 10)) is CONTESTED
+    assert order.knows_another
 
 
 def test_a_stranger_that_said_what_cannot_be_read_first_is_found_by_that() -> None:

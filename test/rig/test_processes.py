@@ -16,15 +16,17 @@ import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
+from stranger_node import stranger_node
 
 from kapitsa_ros.configuration.presets import load_preset
-from kapitsa_ros.network.registry import RECORDED, ROLE_NAMES, WRITTEN, readers_of, writer_of
+from kapitsa_ros.network.registry import MOTION, RECORDED, ROLE_NAMES, WRITTEN, readers_of, writer_of
 from kapitsa_ros.rig import shared_memory
 from kapitsa_ros.rig.environment import node_environment, on_loopback
 from kapitsa_ros.rig.errors import RigError
 from kapitsa_ros.rig.node_group import NodeGroup
 from kapitsa_ros.rig.setup import Setup, parameters
 from kapitsa_ros.rig.shared_memory import remove_stale_segments, stale_segments
+from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.session_monitor import SessionMonitor
 
 Kapitsa = Callable[..., Any]
@@ -357,6 +359,16 @@ def test_a_second_node_of_a_role_is_refused(
         before = observer.progress
         assert observer.wait_for_progress(PATIENCE) != before
         assert all(nodes[role].status() is None for role in ROLE_NAMES)
+
+
+def test_a_node_of_its_role_on_another_machine_is_found_by_dds(domain: int, tmp_path: Path) -> None:
+    """The stranger holds no lock of this machine."""
+    with stranger_node('pendulum', domain) as stranger:
+        stranger.create_publisher(message_class(MOTION.type), MOTION.name, STREAM)
+        told = f'2 nodes write pendulum/motion in domain {domain}: a rig is there already'
+        late = NodeGroup(['pendulum'], parameters(setup_of(tmp_path)), domain)
+        with late, pytest.raises(RigError, match=told):
+            carry_out(late)
 
 
 def test_a_disk_that_takes_nothing(tmp_path: Path, domain: int) -> None:

@@ -89,7 +89,7 @@ def interrupting(call):
         asked.append(call)
         if len(asked) == 3:
             os.kill(os.getpid(), signal.SIGINT)
-            # Where it is let through, rclpy's own thread shuts the context.
+            # Where it is let through, rclpy's own thread shuts the context, and tells nobody of that.
             while signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ()) and rclpy.ok():
                 time.sleep(0.01)
         return call()
