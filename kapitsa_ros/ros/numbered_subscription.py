@@ -13,6 +13,7 @@ from kapitsa_ros.network.publication_order import Provenance, PublicationOrder, 
 from kapitsa_ros.network.step_id import ends_session
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.executor_tasks import guarded
+from kapitsa_ros.ros.node_names import wait_for_names
 from kapitsa_ros.ros.process_node import ASKS_ITSELF
 from kapitsa_ros.ros.qos import STREAM, message_class
 from kapitsa_ros.ros.writer_watch import WriterWatch
@@ -137,9 +138,10 @@ class NumberedSubscription:
         if provenance is Provenance.OWN:
             self._take_own(step_id, raw)
             return
-        others = ', '.join(self.strangers()) or 'a node that has left'
         if provenance is Provenance.CONTESTED:
+            others = ', '.join(wait_for_names(self.strangers)) or 'a node that has left'
             raise NodeError(f'{name} has a second writer, {others}: which {step_id} is the right one cannot be told')
+        others = ', '.join(self.strangers()) or 'a node that has left'
         self._refuse(f'{name}: {step_id}, publication {publication}, comes from a second writer, {others}')
 
     def _take_own(self, step_id: StepId, raw: bytes) -> None:
@@ -149,7 +151,7 @@ class NumberedSubscription:
         try:
             self._take(step_id, raw)
         except SequenceError as error:
-            others = ', '.join(self.strangers())
+            others = ', '.join(wait_for_names(self.strangers))
             if not others:
                 raise
             raise NodeError(f'{error}; it has a second writer, {others}') from error

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from kapitsa_ros.network.registry import readers_of, writer_of, writers_of
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import NAMELESS, UNKNOWN, node_names
+from kapitsa_ros.ros.node_names import NAMELESS, UNKNOWN, node_names, wait_for_names
 from kapitsa_ros.ros.writer_watch import heard_writers
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterable, Sequence
+    from collections.abc import Collection, Iterable
 
     from rclpy.node import Node
-    from rclpy.topic_endpoint_info import TopicEndpointInfo
 
     from kapitsa_ros.network.topic import Topic
 
@@ -125,7 +124,7 @@ class PeerDiscovery:
             writers = heard_writers(self._node, topic)
             names = {end.node_name for end in writers}
             if sum(end.node_name in writers_of(topic) for end in writers) > 1:
-                raise self._double(topic, writers)
+                raise self._double(topic, len(writers))
             clear = clear and UNKNOWN not in names
         return clear
 
@@ -161,13 +160,14 @@ class PeerDiscovery:
     def _refuse_doubles(self) -> None:
         for topic in self._resolved:
             if self._count_writers(topic) > 1 and len(writers := heard_writers(self._node, topic)) > 1:
-                raise self._double(topic, writers)
+                raise self._double(topic, len(writers))
 
-    def _double(self, topic: Topic[Any], writers: Sequence[TopicEndpointInfo]) -> NodeError:
-        domain, names = self._node.context.get_domain_id(), node_names(writers)
+    def _double(self, topic: Topic[Any], count: int) -> NodeError:
+        domain = self._node.context.get_domain_id()
+        names = wait_for_names(lambda: node_names(heard_writers(self._node, topic)))
         strangers = [name for name in names if name not in writers_of(topic) and name != NAMELESS]
         why = f'{", ".join(strangers)} is not of the rig' if strangers else 'a rig is there already'
         return NodeError(
-            f'{len(writers)} nodes write {topic.name} in domain {domain}: {why} ({", ".join(names)}); '
+            f'{count} nodes write {topic.name} in domain {domain}: {why} ({", ".join(names)}); '
             'choose another ROS_DOMAIN_ID or stop it'
         )

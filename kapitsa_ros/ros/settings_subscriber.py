@@ -9,7 +9,7 @@ from kapitsa_ros.network.errors import WireError
 from kapitsa_ros.network.registry import PLAYER, RIG_ROLES, described_by
 from kapitsa_ros.network.settings import SETTINGS_TYPE, parse_settings, settings_topic
 from kapitsa_ros.ros.errors import NodeError
-from kapitsa_ros.ros.node_names import node_names
+from kapitsa_ros.ros.node_names import node_names, wait_for_names
 from kapitsa_ros.ros.qos import EVERY_LATCHED, message_class
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class SettingsSubscriber:
         the run is over.
         """
         topic = settings_topic(name)
-        names = node_names(self._node.get_publishers_info_by_topic(topic))
+        names = wait_for_names(lambda: node_names(self._node.get_publishers_info_by_topic(topic)))
         own = next((each for each in names if each in {name, PLAYER.name}), None)
         if own is not None:  # another of this name is a second writer
             names.remove(own)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rclpy.qos import ReliabilityPolicy
 
 from kapitsa_ros.network.registry import writers_of
-from kapitsa_ros.ros.node_names import NAMELESS, UNKNOWN, node_names
+from kapitsa_ros.ros.node_names import NAMELESS, UNKNOWN, node_names, wait_for_names
 
 if TYPE_CHECKING:
     from rclpy.node import Node
@@ -116,7 +116,7 @@ class WriterWatch:
             return None if self._may_be_own(name) else f'was written by {name}, whose topic it is not'
         if not self._newcomers or self.has_been_alone:  # what has been said before may still be on its way
             return None
-        others = ', '.join(self.strangers()) or 'a node that has left'
+        others = ', '.join(wait_for_names(self.strangers)) or 'a node that has left'
         return f'has lost its writer in mid-session, and has another: {others}'
 
     def strangers(self) -> list[str]:
