@@ -82,9 +82,16 @@ def split(hosts: tuple[Host, Host], bags: Path, *parameters: str) -> list[subpro
 
 
 def ends(processes: list[subprocess.Popen[str]]) -> list[tuple[int, str]]:
-    """Return how the processes end, and what they have said."""
+    """Return how the processes end, and what they have said; one that does not end is killed."""
+    deadline = time.monotonic() + PATIENCE
+    said = []
     try:
-        said = [process.communicate(timeout=PATIENCE)[1] for process in processes]
+        for process in processes:
+            try:
+                said.append(process.communicate(timeout=max(0.0, deadline - time.monotonic()))[1])
+            except subprocess.TimeoutExpired:
+                process.kill()
+                said.append(process.communicate()[1])
     finally:
         for process in processes:
             process.kill()
@@ -101,7 +108,8 @@ def test_two_hosts_record_what_one_does(
     hosts: tuple[Host, Host], recorded: tuple[Path, dict[str, Any]], tmp_path: Path
 ) -> None:
     processes = split(hosts, tmp_path / 'A')
-    assert [status for status, _ in ends(processes)] == [0, 0]
+    ended = ends(processes)
+    assert [status for status, _ in ended] == [0, 0], ended
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
@@ -129,7 +137,8 @@ def test_a_link_that_is_cut_for_five_seconds_loses_nothing(
         if folder is folders[1]:
             eventually(lambda: any(folders[1].glob('*/*.mcap')))
             cut(hosts[0], 5.0)
-        assert [status for status, _ in ends(processes)] == [0, 0]
+        ended = ends(processes)
+        assert [status for status, _ in ended] == [0, 0], ended
     assert files(folders[0]) == files(folders[1])
 
 
