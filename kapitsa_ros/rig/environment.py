@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from kapitsa_ros.resources import resource_path
 from kapitsa_ros.ros.log_output import FORMAT, SWITCHES
 from kapitsa_ros.ros.output_port import hold_output_port
+from kapitsa_ros.ros.reachability import PEERS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -75,7 +76,7 @@ def loopback() -> dict[str, str]:
     if requested != 'LOCALHOST':
         return {}
     # The range alone keeps packets on this machine; the profile also closes the ports on other interfaces.
-    profile = 'static_peers.xml' if os.environ.get('ROS_STATIC_PEERS') else _profile
+    profile = 'static_peers.xml' if os.environ.get(PEERS) else _profile
     path = str(resource_path('config', profile))
     settings = {'ROS_AUTOMATIC_DISCOVERY_RANGE': requested, 'FASTRTPS_DEFAULT_PROFILES_FILE': path}
     return {name: value for name, value in settings.items() if name not in os.environ}

@@ -15,7 +15,7 @@ from kapitsa_ros.ros.context import refuse_second_context
 from kapitsa_ros.ros.log_output import refuse_unknown_switches
 from kapitsa_ros.ros.parameters import noting_declarations
 from kapitsa_ros.ros.process_node import destroying_half_made
-from kapitsa_ros.ros.reachability import RANGE, refuse_unreachable
+from kapitsa_ros.ros.reachability import PEERS, RANGE, refuse_unreachable
 from kapitsa_ros.ros.type_support import load_generator
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from kapitsa_ros.ros.parameters import Declaration
     from kapitsa_ros.ros.process_node import ProcessNode
 
-_OF_DISCOVERY = (RANGE, 'ROS_STATIC_PEERS', 'ROS_DISCOVERY_SERVER', 'ROS_SECURITY_ENABLE')
+_OF_DISCOVERY = (RANGE, PEERS, 'ROS_DISCOVERY_SERVER', 'ROS_SECURITY_ENABLE')
 """Variables that say whom a node finds."""
 
 

@@ -15,6 +15,7 @@ from rclpy.task import Future
 from kapitsa_ros.ros.arguments import NO_LOG_FILES
 from kapitsa_ros.ros.errors import NodeError
 from kapitsa_ros.ros.log_output import refuse_unknown_switches
+from kapitsa_ros.ros.network_interfaces import wait_for_network_interfaces
 from kapitsa_ros.ros.rclpy_errors import is_of_rclpy, no_node_text
 from kapitsa_ros.ros.reachability import refuse_unreachable
 from kapitsa_ros.ros.shutdown import wait_until_quiet
@@ -49,6 +50,7 @@ class ListenerNode:
     def __init__(self, name: str, domain: int) -> None:
         refuse_unknown_switches()
         refuse_unreachable()
+        wait_for_network_interfaces()
         self._domain = domain
         self._failure: BaseException | None = None
         self._dispute: NodeError | None = None

@@ -19,6 +19,7 @@ from kapitsa_ros.ros.context import refuse_second_context
 from kapitsa_ros.ros.errors import SettingError
 from kapitsa_ros.ros.log_files import without_log_files
 from kapitsa_ros.ros.log_output import refuse_unknown_switches
+from kapitsa_ros.ros.network_interfaces import wait_for_network_interfaces
 from kapitsa_ros.ros.output_port import hold_output_port
 from kapitsa_ros.ros.params_file import read_params_file
 from kapitsa_ros.ros.rclpy_errors import first_line, is_of_rclpy, security_text
@@ -116,6 +117,7 @@ def _start(arguments: list[str]) -> None:
                 raise SettingError(f'--params-file {error}') from error
     refuse_unknown_switches()
     refuse_unreachable()
+    wait_for_network_interfaces()
     hold_output_port()
     load_generator()
     hold_signals_back()

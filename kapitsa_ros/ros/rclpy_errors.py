@@ -10,6 +10,7 @@ from rclpy.exceptions import NotInitializedException
 from rclpy.executors import ExternalShutdownException
 
 from kapitsa_ros.errors import shorten
+from kapitsa_ros.ros.reachability import PEERS
 
 _PLACES = re.compile(r',? at /\S+\.\w+:\d+')
 
@@ -20,10 +21,8 @@ def no_node_text(error: Exception) -> str:
         return text
     why = first_line(error)
     if 'resolve peer' in why:
-        peers = shorten(os.environ.get('ROS_STATIC_PEERS', ''))
-        return (
-            f'no node can be made, ROS_STATIC_PEERS is {peers}: {why}: give addresses or names of hosts, ; in between'
-        )
+        peers = shorten(os.environ.get(PEERS, ''))
+        return f'no node can be made, {PEERS} is {peers}: {why}: give addresses or names of hosts, ; in between'
     return f'no node can be made, ROS_DOMAIN_ID is {os.environ.get("ROS_DOMAIN_ID", "unset")}: {why}'
 
 

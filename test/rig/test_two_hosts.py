@@ -1,5 +1,6 @@
 """The graph on two hosts: network namespaces with a cable between them, from which nothing leads anywhere else."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -18,6 +19,8 @@ from kapitsa_ros.rig.environment import node_environment
 TOOLS = {name: shutil.which(name) for name in ('ip', 'nsenter', 'unshare', 'sleep', 'true')}
 PATIENCE = 180.0
 DOMAIN = 5  # of hosts of their own
+RUNNING = 0x40
+"""Flag of an interface that is ready, of <linux/if.h>."""
 LIFE = '300'
 """Seconds after which a host is gone, whatever becomes of this process."""
 
@@ -111,6 +114,29 @@ def test_two_hosts_record_what_one_does(
     ended = ends(processes)
     assert [status for status, _ in ended] == [0, 0], ended
     assert files(tmp_path / 'A') == files(recorded[0])
+
+
+def test_a_card_that_has_just_been_connected_is_waited_for(hosts: tuple[Host, Host]) -> None:
+    """Linux calls it ready up to a second later; DDS leaves out what is not, and the other host was never found."""
+    program = (
+        'from kapitsa_ros.ros import network_interfaces\n'
+        'print(flush=True), input()\n'
+        'network_interfaces.wait_for_network_interfaces()\n'
+        'print(*network_interfaces._interface_flags())\n'
+    )
+    for host, other in (hosts, hosts[::-1]):
+        with subprocess.Popen(
+            host.command(sys.executable, '-c', program),
+            env=os.environ | {'ROS_STATIC_PEERS': other.address},
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        ) as process:  # fmt: skip
+            process.stdout.readline()
+            for state in ('down', 'up'):
+                host.ip('link', 'set', host.card, state)
+            told = process.communicate('\n', timeout=PATIENCE)[0]
+        flags = [int(word) for word in told.split()]
+        assert len(flags) >= 4  # of the loopback interface and of the card, each with an address and without
+        assert all(each & RUNNING for each in flags)
 
 
 @pytest.fixture
