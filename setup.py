@@ -43,6 +43,7 @@ def node_scripts() -> list[str]:
 
 CORE = [
     'click>=8.1',
+    'llvmlite>=0.42',
     'lz4>=4.0',
     'mcap>=1.1',
     'numba>=0.59',

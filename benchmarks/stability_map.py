@@ -11,9 +11,9 @@ import numpy as np
 from measure import Claim, cpu
 from scipy.special import mathieu_a, mathieu_b
 
-from kapitsa_ros.physics.kernels.mathieu import half_trace
 from kapitsa_ros.physics.plant import Plant
 from kapitsa_ros.physics.theory import stability_map
+from kapitsa_ros.physics.theory.mathieu import half_trace
 from kapitsa_ros.units import RPM
 
 PLANT = Plant(damping=1.0)

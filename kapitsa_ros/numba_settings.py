@@ -11,6 +11,7 @@ _AS_IT_IS = {
     'NUMBA_CPU_NAME': None,
     'NUMBA_DISABLE_INTEL_SVML': '0',
     'NUMBA_DISABLE_JIT': '0',
+    'NUMBA_ENABLE_AVX': '1',
     'NUMBA_LOOP_VECTORIZE': '1',
     'NUMBA_OPT': '3',
     'NUMBA_SLP_VECTORIZE': '0',

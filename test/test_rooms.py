@@ -45,7 +45,7 @@ STAND_ON = {
     'ament_index_python', 'builtin_interfaces', 'click', 'diagnostic_msgs', 'distributed', 'domain_coordinator',
     'foxglove', 'fpdf', 'jinja2', 'markdown_it',
     'kapitsa_ros', 'launch', 'launch_ros', 'lz4', 'matplotlib', 'mcap',
-    'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
+    'llvmlite', 'mpl_toolkits', 'numba', 'numpy', 'pandas', 'pyarrow',
     'pytest',
     'rcl_interfaces', 'rclpy', 'rich', 'rosbags', 'rosgraph_msgs', 'scipy', 'sensor_msgs', 'setproctitle', 'starlette',
     'std_msgs', 'std_srvs',

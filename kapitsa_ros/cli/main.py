@@ -33,10 +33,6 @@ class _Commands(click.Group):
         if cmd_name not in self.list_commands(ctx):
             return None
         command: click.Command = getattr(import_module(f'{commands.__name__}.{cmd_name}'), cmd_name)
-        if 'numba' in sys.modules:  # else nothing is compiled
-            from kapitsa_ros.physics.compilation import announce_compilation  # noqa: PLC0415
-
-            announce_compilation()
         _describe(command)
         return command
 

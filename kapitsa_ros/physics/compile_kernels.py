@@ -8,7 +8,7 @@ from kapitsa_ros.physics import theory
 from kapitsa_ros.physics.batch import simulate_batch
 from kapitsa_ros.physics.flexible_rod import BendingMode, simulate_flexible
 from kapitsa_ros.physics.jigsaw import Jigsaw
-from kapitsa_ros.physics.kernels.slow_period import period_errors, slow_periods, small_swings
+from kapitsa_ros.physics.kernels.slow_period import WORK_ROWS, period_errors, slow_periods, small_swings
 from kapitsa_ros.physics.kernels.verlet import verlet
 from kapitsa_ros.physics.pendulum import Pendulum
 from kapitsa_ros.physics.plant import Plant
@@ -28,9 +28,9 @@ def compile_kernels() -> None:
     theory.growth_rate(plant, SPEED)
     theory.floquet_curves(plant, np.array([SPEED]))
     theory.stability_map(plant, [SPEED], [plant.amplitude])
-    one, row = np.ones(1), np.ones((1, 1))
-    small_swings(one, one, one, row, 1.0, np.empty((1, 1)))
-    slow_periods(one, one, one, one, row, one, one, 1.0, np.ones(2), 1.0, np.empty((1, 1)), np.empty((1, 1)))
+    one, row, work = np.ones(1), np.ones((1, 1)), np.empty((WORK_ROWS, 1))
+    small_swings(one, one, one, row, 1.0, np.empty((1, 1)), work)
+    slow_periods(one, one, one, one, row, one, one, 1.0, np.ones(2), 1.0, np.empty((1, 1)), np.empty((1, 1)), work)
     period_errors(one, one, one, one, row, np.empty((1, 1)))
     verlet(1.0, 1.0, SPEED, 0.0, 0.1, 1, np.empty((2, 2)))
 

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
-from kapitsa_ros.physics.kernels.flexible import advance_flexible
+from kapitsa_ros.physics.kernels.flexible import WORK_SHAPE, advance_flexible
 from kapitsa_ros.physics.release import PROMISED, REFINEMENTS, STOP
 from kapitsa_ros.physics.step_size import LONGEST_STEP, longest_step, whole_samples
 
@@ -119,12 +119,13 @@ def simulate_flexible(
         [lever / plant.k, lever, coupling(), plant.gravity, plant.damping, bending.frequency, bending.damping],
     )
     start = (release.phase / (2.0 * math.pi)) % 1.0
+    work = np.empty(WORK_SHAPE)
     for refinement in REFINEMENTS:
         motion = np.zeros((4, count + 1))
         motion[0, 0] = release.angle
         steps = stride * refinement
         step = 1.0 / (sample_rate * steps)
-        truncation = advance_flexible(plant.amplitude, release.speed, start, step, steps, STOP, rod, motion)
+        truncation = advance_flexible(plant.amplitude, release.speed, start, step, steps, STOP, rod, motion, work)
         if truncation <= PROMISED:
             return _trajectory(sample_rate, motion)
     raise PhysicsError(f'a step leaves out {truncation:.1g} rad: the rod swings too wildly for 1e-8 rad')

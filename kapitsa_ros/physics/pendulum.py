@@ -129,13 +129,16 @@ class Pendulum:
         count = pivot.position.size
         state = self._state.copy()
         motion = np.empty((3, count))
+        weights = stencil_weights(min(STENCIL, count))
         outcome = sampled.advance_block(
-            stencil_weights(min(STENCIL, count)),
+            weights,
             pivot.period,
             np.stack((pivot.position, pivot.rate, pivot.acceleration)),
             self._constants,
             state,
             motion,
+            np.empty((count - 1, weights.shape[1])),
+            np.empty(sampled.WORK_SHAPE),
         )
         if outcome == sampled.TOO_COARSE:
             raise MotionError(

@@ -10,7 +10,7 @@ import numpy as np
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
 from kapitsa_ros.physics.kernels import layout
-from kapitsa_ros.physics.kernels.cosine import TOO_MANY_EVENTS, advance_cosine
+from kapitsa_ros.physics.kernels.cosine import TOO_MANY_EVENTS, WORK_SHAPE, advance_cosine
 from kapitsa_ros.physics.limits import MOST_TURNS, check_forcing
 from kapitsa_ros.physics.step_size import longest_step, steps_per_turn, whole_samples
 
@@ -125,6 +125,7 @@ class Release:
                 f'the shaft turns {turns:.2g} times, at most {MOST_TURNS:g} can be followed: reduce duration or speed'
             )
         constants = layout.constants(self.plant, stop=STOP, linear=self.linear)
+        work = np.empty(WORK_SHAPE)
         for refinement in REFINEMENTS:
             state = layout.state_at_rest(self.angle, self.plant.clearance)
             state[layout.MODE] = layout.MOVING
@@ -134,7 +135,7 @@ class Release:
                 motion = np.empty((2, leg.samples + 1))
                 pacing = (leg.period / stride, leg.turns / stride, stride)
                 truncation = advance_cosine(
-                    self.plant.amplitude, self.speed, leg.start, *pacing, constants, state, motion
+                    self.plant.amplitude, self.speed, leg.start, *pacing, constants, state, motion, work
                 )
                 if truncation == TOO_MANY_EVENTS:
                     raise PhysicsError('impacts at the pivot are too close together to be resolved: reduce restitution')

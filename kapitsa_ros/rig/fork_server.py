@@ -223,9 +223,6 @@ def preload_kernels(names: Iterable[str] | None = None) -> None:
     for name in set(KERNEL_NAMES).intersection(KERNEL_NAMES if names is None else names) - _with_kernels:
         # What goes wrong here goes wrong in the node, too, which can tell of it.
         with _frozen(), suppress(Exception):
-            from kapitsa_ros.physics.compilation import announce_compilation  # noqa: PLC0415  # Numba
-
-            announce_compilation()
             import_module(f'kapitsa_ros.nodes.{name}').load_kernels()
         _with_kernels.add(name)
 

@@ -4,36 +4,24 @@ import os
 import pty
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from kapitsa_ros.cli.progress import shown_progress
 
 SIMULATE = ('simulate', '--speed', '2500', '--release', '0.12', '--duration', '2')
-NAMED = 'kapitsa: compiling tripled, once after an installation'
-COMPILE = """
-import numba
-from kapitsa_ros.physics.compilation import announce_compilation
-
-@numba.njit
-def doubled(value):
-    return 2 * value
-
-@numba.njit
-def tripled(value):
-    return doubled(value) + value
-
-announce_compilation()
-announce_compilation()
-assert (tripled(2), tripled(3)) == (6, 9)
-"""
+NAMED = 'kapitsa: compiling advance_cosine, once after an installation'
 
 
-def on_terminal(*command: str) -> str:
+def on_terminal(*command: str, **environment: str) -> str:
     """Run a command whose stderr is a terminal, and return what it writes there."""
     ours, theirs = pty.openpty()
     with subprocess.Popen(
-        [sys.executable, *command], stdout=subprocess.DEVNULL, stderr=theirs, env=os.environ | {'TERM': 'xterm'}
+        [sys.executable, *command],
+        stdout=subprocess.DEVNULL,
+        stderr=theirs,
+        env=os.environ | {'TERM': 'xterm'} | environment,
     ) as done:
         os.close(theirs)
         written = b''
@@ -50,11 +38,16 @@ def on_terminal(*command: str) -> str:
     return written.decode()
 
 
-def test_what_is_compiled_is_said_once_and_only_on_a_terminal() -> None:
-    said = on_terminal('-c', COMPILE)
+def test_what_is_compiled_is_said_once_and_only_on_a_terminal(tmp_path: Path) -> None:
+    afresh = [{'NUMBA_OPT': '1', 'NUMBA_CACHE_DIR': str(tmp_path / folder)} for folder in 'AB']
+    simulate = ('-c', 'import kapitsa_ros as kr; [kr.simulate(speed=250.0, release=0.1, duration=0.1) for _ in "12"]')
+    said = on_terminal(*simulate, **afresh[0])
     assert said.count(NAMED) == 1
-    assert said.count('compiling') == said.count('kapitsa: compiled in') == 1  # of the outer kernel alone
-    done = subprocess.run([sys.executable, '-c', COMPILE], capture_output=True, text=True, check=True)
+    assert said.count('compiling') == said.count('kapitsa: compiled in')
+    assert 'advance_interval' not in said  # what is compiled into another
+    done = subprocess.run(
+        [sys.executable, *simulate], env=os.environ | afresh[1], capture_output=True, text=True, check=True
+    )
     assert done.stderr == ''
 
 

@@ -43,6 +43,7 @@ class Likelihood:
         """Relative error of the model's periods, to be added to the stated errors."""
         self._threshold_correction = 1.0
         timed = evidence.timed
+        self._period = np.ascontiguousarray(timed.period)
         self._period_variance = (timed.period_sigma / timed.period) ** 2 + FLOOR**2  # relative
         # −d ln T/dω is (kλ)² ω/(2Ω²)
         self._error_by_speed = timed.forcing * timed.forcing_sigma / (2.0 * timed.slow**2)
@@ -100,7 +101,7 @@ class Likelihood:
         reach = self.model.k(threshold, amplitude) * amplitude
         variance = self._period_variance + self.discrepancy**2
         sigma = np.empty(doubt.shape)
-        period_errors(reach, self._error_by_speed, variance, self.evidence.timed.period, doubt, sigma)
+        period_errors(reach, self._error_by_speed, variance, self._period, doubt, sigma)
         return sigma
 
     def bounds(self, threshold: Array, amplitude: Array, damping: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.slow_period import slow_periods, small_swings
+from kapitsa_ros.physics.kernels.slow_period import WORK_ROWS, slow_periods, small_swings
 from kapitsa_ros.physics.theory.friction import dithered_factor
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ class SwingModel:
         """Return Ω of small swings, rad/s, shape (M, N)."""
         k = self.k(threshold, amplitude)
         slow = np.empty((k.size, speed.shape[-1]))
-        small_swings(k, amplitude, damping, np.atleast_2d(speed), self._gravity, slow)
+        forcing = np.ascontiguousarray(np.atleast_2d(speed))
+        small_swings(k, amplitude, damping, forcing, self._gravity, slow, np.empty((WORK_ROWS, k.size)))
         return slow
 
     def periods(
@@ -61,20 +62,21 @@ class SwingModel:
         """
         timed = self._evidence.timed
         period, doubt = np.empty((threshold.size, timed.period.size)), np.empty((threshold.size, timed.period.size))
-        speed = timed.forcing[None, :] if forcing is None else np.ascontiguousarray(forcing)
+        speed = timed.forcing[None, :] if forcing is None else forcing
         slow_periods(
             self.k(threshold, amplitude),
             amplitude,
             damping,
             coulomb,
-            speed,
-            self._evidence.release,
-            self._evidence.swings,
+            np.ascontiguousarray(speed),
+            np.ascontiguousarray(self._evidence.release),
+            np.ascontiguousarray(self._evidence.swings),
             self._gravity,
             _friction_factors(),
             _SPACING,
             period,
             doubt,
+            np.empty((WORK_ROWS, threshold.size)),
         )
         return period * self.correction, doubt
 

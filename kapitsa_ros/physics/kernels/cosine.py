@@ -6,17 +6,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, GRAVITY, RATE
 from kapitsa_ros.physics.kernels.rod import ANGLE_SERIES, WORK_ROWS, advance_interval
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 ORDER = 16
 TOO_MANY_EVENTS = -1.0
+WORK_SHAPE = (WORK_ROWS + 2, ORDER + 1)
 
 
 @kernel
@@ -30,6 +30,7 @@ def advance_cosine(
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
     motion: NDArray[np.float64],
+    work: NDArray[np.float64],
 ) -> float:
     """Carry the state through samples that are `stride` steps apart.
 
@@ -47,6 +48,8 @@ def advance_cosine(
         As `layout` has them; `state` is changed in place.
     motion
         θ and θ′ on return, shape (2, samples).
+    work
+        Work space, of WORK_SHAPE.
 
     Returns
     -------
@@ -55,9 +58,7 @@ def advance_cosine(
         could not be resolved.
 
     """
-    work = np.empty((WORK_ROWS, ORDER + 1))
-    load = np.empty(ORDER - 1)
-    drive_terms = np.empty(ORDER - 1)
+    load, drive_terms = work[WORK_ROWS, : ORDER - 1], work[WORK_ROWS + 1, : ORDER - 1]
     fill_drive_terms(amplitude, speed, step, turns, drive_terms)
     weight = plant[GRAVITY] * step * step
     motion[0, 0] = state[ANGLE]
@@ -75,7 +76,7 @@ def advance_cosine(
     return truncation
 
 
-@in_place_kernel
+@kernel
 def fill_drive_terms(
     amplitude: float, speed: float, step: float, turns: float, drive_terms: NDArray[np.float64]
 ) -> None:
@@ -86,14 +87,14 @@ def fill_drive_terms(
         term *= 2.0 * math.pi * turns / (n + 1)
 
 
-@in_place_kernel
+@kernel
 def at_phase(turn: float, start: float) -> tuple[float, float]:
     """Return cosine and sine of a phase in turns."""
     phase = 2.0 * math.pi * (turn - math.floor(turn) + start)
     return math.cos(phase), math.sin(phase)
 
 
-@in_place_kernel
+@kernel
 def fill_load(
     cosine: float,
     sine: float,

@@ -6,15 +6,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from kapitsa_ros.physics.kernels.cosine import at_phase, fill_drive_terms, fill_load
-from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 ORDER = 18
+WORK_SHAPE = (15, ORDER + 1)
 J, L_C, BETA, G, C, OMEGA_B, ZETA = range(7)
 
 
@@ -28,6 +28,7 @@ def advance_flexible(
     stop: float,
     rod: NDArray[np.float64],
     motion: NDArray[np.float64],
+    work: NDArray[np.float64],
 ) -> float:
     """Carry θ, θ′, η, η′ through samples that are `stride` steps apart, until the rod reaches its stop.
 
@@ -41,6 +42,8 @@ def advance_flexible(
         J, l_c, β, g, c, ω_b, ζ.
     motion
         Shape (4, samples); the first column on entry, all on return.
+    work
+        Work space, of WORK_SHAPE.
 
     Returns
     -------
@@ -49,11 +52,12 @@ def advance_flexible(
 
     """
     turns = speed * step / (2.0 * math.pi)
-    load, drive_terms = np.empty(ORDER), np.empty(ORDER)
+    load, drive_terms, state = work[12, :ORDER], work[13, :ORDER], work[14, :4]
     fill_drive_terms(amplitude, speed, step, turns, drive_terms)
-    work = np.zeros((12, ORDER + 1))
+    work[:12] = 0.0
     theta, eta = work[0], work[1]
-    state = motion[:, 0].copy()
+    for row in range(4):
+        state[row] = motion[row, 0]
     truncation = 0.0
     for sample in range(1, motion.shape[1]):
         if abs(state[0]) < stop:
@@ -61,15 +65,16 @@ def advance_flexible(
                 cosine, sine = at_phase(i * turns, start)
                 fill_load(cosine, sine, drive_terms, step * step * rod[G], load)
                 theta[0], theta[1], eta[0], eta[1] = state[0], step * state[1], state[2], step * state[3]
-                _expand(load, step, rod, work)
+                _expand(load, step, rod, work[:12])
                 state[0], state[1] = _end(theta, step)
                 state[2], state[3] = _end(eta, step)
                 truncation = max(truncation, abs(theta[-1]))
-        motion[:, sample] = state
+        for row in range(4):
+            motion[row, sample] = state[row]
     return truncation
 
 
-@in_place_kernel
+@kernel
 def _expand(load: NDArray[np.float64], step: float, rod: NDArray[np.float64], work: NDArray[np.float64]) -> None:
     """Fill the series of θ and η from their first two terms.
 
@@ -103,7 +108,7 @@ def _expand(load: NDArray[np.float64], step: float, rod: NDArray[np.float64], wo
         eta_dot[n + 1] = (forcing - stiffness * eta[n] - damping * eta_dot[n]) / (n + 1)
 
 
-@in_place_kernel
+@kernel
 def _product(left: NDArray[np.float64], right: NDArray[np.float64], n: int) -> float:
     """Return the nth coefficient of a product."""
     total = 0.0
@@ -112,7 +117,7 @@ def _product(left: NDArray[np.float64], right: NDArray[np.float64], n: int) -> f
     return total
 
 
-@in_place_kernel
+@kernel
 def _chain(theta: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> float:
     """Return the (n − 1)th coefficient of θ̇ times a factor."""
     total = 0.0
@@ -121,7 +126,7 @@ def _chain(theta: NDArray[np.float64], factor: NDArray[np.float64], n: int) -> f
     return total
 
 
-@in_place_kernel
+@kernel
 def _end(series: NDArray[np.float64], step: float) -> tuple[float, float]:
     """Return a series and its rate per second at the end of the step."""
     value, slope = 0.0, 0.0

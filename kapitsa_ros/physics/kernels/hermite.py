@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,7 +68,7 @@ def _inverse(matrix: list[list[int]]) -> list[list[Fraction]]:
     return [[Fraction(entry, last) for entry in row[size:]] for row in rows]
 
 
-@in_place_kernel
+@kernel
 def acceleration_series(
     weights: NDArray[np.float64],
     period: float,

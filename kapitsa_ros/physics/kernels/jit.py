@@ -1,64 +1,100 @@
-"""How kernels are compiled."""
+"""How kernels are compiled and called."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
+import ctypes
+import os
+from functools import update_wrapper
+from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar, cast
 
-import numba
+import numpy as np
 
-from kapitsa_ros.physics.kernels.kernel_cache import KernelCache, warn_of_no_cache
+from kapitsa_ros.physics.kernels.native_code import NativeCode
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
 _P = ParamSpec('_P')
 _R = TypeVar('_R')
+_FLOAT = np.dtype(np.float64)
+_SCALARS = {'float': ctypes.c_double, 'int': ctypes.c_int64}
+_RESULTS: dict[str, Any] = {**_SCALARS, 'bool': ctypes.c_bool, 'None': ctypes.c_void_p}
 
 
-def _load_without_linear_algebra() -> None:
-    """Load what all kernels need of Numba, which would load SciPy's linear algebra to see that there is a BLAS.
-
-    It is there, as SciPy is required; to load it takes as long as the kernels themselves, which use none.
-    """
-    from numba.np import linalg  # noqa: PLC0415
-
-    ensure_blas = getattr(linalg, 'ensure_blas', None)
-    if ensure_blas is None:  # another version, which asks in another way
-        return
-    linalg.ensure_blas = lambda: None
-    try:
-        from numba.np import arraymath  # noqa: PLC0415
-    finally:
-        linalg.ensure_blas = ensure_blas
-    arraymath.ensure_blas = ensure_blas
-
-
-_load_without_linear_algebra()
-
-
-def kernel(function: Callable[_P, _R], *, parallel: bool = False) -> Callable[_P, _R]:
+def kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
     """Compile on first call and keep the machine code on disk; products and sums may fuse, nothing is reordered.
 
-    It is kept in NUMBA_CACHE_DIR, beside the source or in the user's cache folder: the first of them that can be
-    written. Where none can, each process compiles for itself, and a line on stderr says so.
+    A kernel makes no array: it works in those that it is given, of doubles in C order. To count references to arrays
+    that it made took as long as the arithmetic where a function works on a few dozen numbers.
+
+    What a kernel calls is compiled into it, so that its last digits depend on nothing else that is loaded. Numba
+    compiles it, and is not loaded where machine code is found: that takes ten times as long as the code itself.
     """
-    njit = numba.njit(fastmath={'contract'}, error_model='numpy', parallel=parallel)
-    return _kept(njit(function), function)
+    if os.environ.get('NUMBA_DISABLE_JIT', '0') not in {'', '0'}:
+        return function
+    return cast('Callable[_P, _R]', Kernel(function))
 
 
-def in_place_kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Compile like a kernel what makes no array: references to those it is given are not counted.
+class Kernel(Generic[_P, _R]):
+    """A compiled function of floats, integers and arrays, which are told apart by its annotations."""
 
-    To count them took as long as the arithmetic where a function works on a few dozen numbers. Numba refuses to compile
-    such a function if it does make an array.
-    """
-    return _kept(numba.njit(fastmath={'contract'}, error_model='numpy', _nrt=False)(function), function)
+    def __init__(self, function: Callable[_P, _R]) -> None:
+        update_wrapper(self, function)
+        self._function = function
+        *self._parameters, self._result = function.__annotations__.values()
+        self._arrays = [index for index, name in enumerate(self._parameters) if name not in _SCALARS]
+        self._entries: dict[tuple[int, ...], Callable[..., _R]] = {}
+        self._codes: list[NativeCode] = []
+        self._dispatcher: Any = None
 
+    def __call__(self, *arguments: _P.args, **_: _P.kwargs) -> _R:
+        """Run the machine code. Arguments are given by position.
 
-def _kept(compiled: Any, function: Callable[_P, _R]) -> Callable[_P, _R]:
-    if compiled is not function:  # as NUMBA_DISABLE_JIT leaves it
+        Raises
+        ------
+        TypeError
+            An array is not one of doubles in C order.
+
+        """
+        dimensions = tuple([_dimensions(arguments[index]) for index in self._arrays])
         try:
-            compiled._cache = KernelCache(function)  # noqa: SLF001  # Numba has no other place for a cache of ours
-        except RuntimeError:  # numba finds no folder that it can write
-            warn_of_no_cache()
-    return compiled  # type: ignore[no-any-return]
+            entry = self._entries[dimensions]
+        except KeyError:
+            entry = self._entries[dimensions] = self._entry(dimensions)
+        return entry(*arguments)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """The type that Numba asks for where another kernel calls this one."""
+        if self._dispatcher is None:
+            from kapitsa_ros.physics.kernels.compiler import dispatcher  # noqa: PLC0415  # Numba
+
+            self._dispatcher = dispatcher(self._function)
+        return self._dispatcher._numba_type_  # by which Numba asks whatever it is given
+
+    def _entry(self, dimensions: tuple[int, ...]) -> Callable[..., _R]:
+        given = iter(dimensions)
+        parameters = [name if name in _SCALARS else next(given) for name in self._parameters]
+        code = NativeCode(self, parameters, self._result)
+        self._codes.append(code)  # it lives as long as the kernel
+        types: list[Any] = [_SCALARS.get(name, ctypes.py_object) for name in self._parameters]
+        run = ctypes.CFUNCTYPE(ctypes.c_int32, ctypes.c_void_p, ctypes.c_void_p, *types)(code.address)
+        kind = _RESULTS[self._result]
+
+        def entry(*arguments: Any) -> Any:
+            result, exception = kind(), ctypes.c_void_p()
+            if run(ctypes.byref(result), ctypes.byref(exception), *arguments):
+                raise RuntimeError(f'{self._function.__name__} has raised an exception')
+            return result.value
+
+        return entry
+
+
+def _dimensions(array: Any) -> int:
+    if (
+        type(array) is not np.ndarray
+        or (array.dtype is not _FLOAT and array.dtype != _FLOAT)
+        or not array.flags.c_contiguous
+    ):
+        raise TypeError(f'{np.asarray(array).dtype} {np.shape(array)}: give an array of doubles in C order')
+    return array.ndim

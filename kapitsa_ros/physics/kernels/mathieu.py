@@ -5,19 +5,19 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
 ORDER = 24
+WORK_SHAPE = (3, ORDER + 1)
 
 
 @kernel
-def half_period(a: float, q: float) -> tuple[float, float, float, float]:
-    """Carry the two normal solutions from z = 0 to π/2.
+def half_period(a: float, q: float, work: NDArray[np.float64]) -> tuple[float, float, float, float]:
+    """Carry the two normal solutions from z = 0 to π/2; `work` is work space, of WORK_SHAPE.
 
     Returns
     -------
@@ -27,8 +27,7 @@ def half_period(a: float, q: float) -> tuple[float, float, float, float]:
     """
     steps = math.ceil(0.5 * math.pi * math.sqrt(abs(a) + 2.0 * abs(q) + 4.0))
     step = 0.5 * math.pi / steps
-    frequency = np.empty(ORDER - 1)
-    even, odd = np.zeros(ORDER + 1), np.zeros(ORDER + 1)
+    frequency, even, odd = work[0], work[1], work[2]
     x1, r1, x2, r2 = 1.0, 0.0, 0.0, step
     for i in range(steps):
         cosine, sine = math.cos(2.0 * i * step), math.sin(2.0 * i * step)
@@ -58,29 +57,45 @@ def half_period(a: float, q: float) -> tuple[float, float, float, float]:
 
 
 @kernel
-def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return D, half the trace of the monodromy matrix over z = 0 to π, for every pair of a q (rows) and an a."""
-    result = np.empty((q.size, a.size))
-    for i in range(q.size):
-        for j in range(a.size):
-            x1, r1, x2, r2 = half_period(a[j], q[i])
-            result[i, j] = x1 * r2 + r1 * x2
-    return result
+def normal_solutions(a: float, q: float, solutions: NDArray[np.float64], work: NDArray[np.float64]) -> None:
+    """Fill in what `half_period` returns, shape (4,)."""
+    solutions[0], solutions[1], solutions[2], solutions[3] = half_period(a, q, work)
 
 
 @kernel
-def floquet_exponents(a: NDArray[np.float64], q: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what the Floquet multipliers of w over z = 0 to π turn and stretch by, shape (N,) each.
+def half_trace(
+    a: NDArray[np.float64], q: NDArray[np.float64], result: NDArray[np.float64], work: NDArray[np.float64]
+) -> None:
+    """Fill in D, half the trace of the monodromy matrix over z = 0 to π, for every pair of a q (rows) and an a."""
+    for i in range(q.size):
+        for j in range(a.size):
+            x1, r1, x2, r2 = half_period(a[j], q[i], work)
+            result[i, j] = x1 * r2 + r1 * x2
 
-    Returns
-    -------
-    tuple
-        Half their angle, nan where both are real and positive; ln of the modulus of the larger, nan beyond any double.
+
+@kernel
+def floquet_exponents(
+    a: NDArray[np.float64],
+    q: float,
+    half_angle: NDArray[np.float64],
+    spread: NDArray[np.float64],
+    work: NDArray[np.float64],
+) -> None:
+    """Fill in what the Floquet multipliers of w over z = 0 to π turn and stretch by.
+
+    Parameters
+    ----------
+    a, q
+        Of Mathieu's equation, `a` of shape (N,).
+    half_angle, spread
+        Half their angle, nan where both are real and positive; ln of the modulus of the larger, nan beyond any double:
+        shape (N,) each.
+    work
+        Work space, of WORK_SHAPE.
 
     """
-    half_angle, spread = np.empty(a.size), np.empty(a.size)
     for i in range(a.size):
-        x1, r1, x2, r2 = half_period(a[i], q)
+        x1, r1, x2, r2 = half_period(a[i], q, work)
         less_one, plus_one = r1 * x2, x1 * r2
         half_angle[i], spread[i] = math.nan, 0.0
         if not math.isfinite(less_one):
@@ -91,10 +106,9 @@ def floquet_exponents(a: NDArray[np.float64], q: float) -> tuple[NDArray[np.floa
             spread[i] = 2.0 * math.asinh(math.sqrt(-plus_one))
         if less_one < 0:
             half_angle[i] = math.asin(math.sqrt(min(-less_one, 1.0)))
-    return half_angle, spread
 
 
-@in_place_kernel
+@kernel
 def combine(weights: NDArray[np.float64], rows: NDArray[np.float64], out: NDArray[np.float64]) -> None:
     """Write weights @ rows into `out`: for thin matrices, and on one core whatever the BLAS would do."""
     for i in range(out.shape[0]):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.layout import (
     ANGLE,
     CLEARANCE,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 SMALLEST_BOUNCE = 1e-12  # of the clearance: the last impact of a bouncing hole takes all the velocity that remains
 
 
-@in_place_kernel
+@kernel
 def expand_gap(
     load: NDArray[np.float64],
     step: float,
@@ -58,7 +58,7 @@ def expand_gap(
         gap[2] = 0.0
 
 
-@in_place_kernel
+@kernel
 def time_to_touch(
     load: NDArray[np.float64],
     gap: NDArray[np.float64],
@@ -81,7 +81,7 @@ def time_to_touch(
     return soonest
 
 
-@in_place_kernel
+@kernel
 def touch(
     load: NDArray[np.float64],
     step: float,

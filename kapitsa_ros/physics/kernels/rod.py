@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.layout import (
     ANGLE,
     CLEARANCE,
@@ -43,7 +43,7 @@ ANGLE_SERIES, SINE, COSINE, SLOPE, DRIVE, GAP_SERIES, LOAD, EVENT, SUMS, ROOM = 
 WORK_ROWS = ROOM + ROOM_ROWS
 
 
-@in_place_kernel
+@kernel
 def advance_interval(
     load: NDArray[np.float64],
     start: float,
@@ -81,7 +81,7 @@ def advance_interval(
     return _advance_by_pieces(load, start, step, plant, state, work)
 
 
-@in_place_kernel
+@kernel
 def _advance_freely(
     load: NDArray[np.float64],
     step: float,
@@ -104,7 +104,7 @@ def _advance_freely(
     state[RATE] = slope / step
 
 
-@in_place_kernel
+@kernel
 def _advance_by_pieces(
     load: NDArray[np.float64],
     start: float,
@@ -152,7 +152,7 @@ def _advance_by_pieces(
     return False
 
 
-@in_place_kernel
+@kernel
 def _carry(
     angle: NDArray[np.float64],
     gap: NDArray[np.float64],
@@ -168,7 +168,7 @@ def _carry(
         state[GAP_RATE] = slope / step
 
 
-@in_place_kernel
+@kernel
 def _expand_piece(
     load: NDArray[np.float64],
     step: float,
@@ -190,7 +190,7 @@ def _expand_piece(
         angle[2] = 0.0
 
 
-@in_place_kernel
+@kernel
 def _expand_angle(
     load: NDArray[np.float64],
     friction: float,
@@ -210,7 +210,7 @@ def _expand_angle(
     expand(drive, step * plant[DAMPING], friction, plant[LINEAR] != 0.0, angle, work[SINE], work[COSINE], work[SLOPE])
 
 
-@in_place_kernel
+@kernel
 def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) -> float:
     """Return the load's share of θ″ (times h²)."""
     if state[CONTACT] == IN_FLIGHT:
@@ -219,7 +219,7 @@ def torque(load: float, plant: NDArray[np.float64], state: NDArray[np.float64]) 
     return float(plant[K] * load * sin_theta)
 
 
-@in_place_kernel
+@kernel
 def _friction(
     load: NDArray[np.float64],
     step: float,
@@ -241,7 +241,7 @@ def _friction(
     return 0.0
 
 
-@in_place_kernel
+@kernel
 def _time_to_friction_change(
     load: NDArray[np.float64],
     step: float,
@@ -273,7 +273,7 @@ def _time_to_friction_change(
     return first_descent(slope, remaining, work[ROOM:])
 
 
-@in_place_kernel
+@kernel
 def _time_to_stop(stop: float, remaining: float, work: NDArray[np.float64]) -> float:
     angle, room_left = work[ANGLE_SERIES], work[EVENT]
     bound = 0.0
@@ -290,7 +290,7 @@ def _time_to_stop(stop: float, remaining: float, work: NDArray[np.float64]) -> f
     return soonest
 
 
-@in_place_kernel
+@kernel
 def _rest_at_stop(state: NDArray[np.float64], plant: NDArray[np.float64]) -> None:
     state[ANGLE] = math.copysign(plant[STOP], state[ANGLE])
     state[RATE] = 0.0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.series import BINOMIAL, shift, value, value_and_slope
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ BINOMIAL_COLUMNS = np.ascontiguousarray(BINOMIAL.T)
 NARROWEST = 1e-13
 
 
-@in_place_kernel
+@kernel
 def first_descent(polynomial: NDArray[np.float64], end: float, room: NDArray[np.float64]) -> float:
     """Return the first τ in (0, end] at which a polynomial that starts positive comes down to zero.
 
@@ -65,7 +65,7 @@ def first_descent(polynomial: NDArray[np.float64], end: float, room: NDArray[np.
     return end * _first_in_unit(scaled, room[1, :size], room[2, :size])
 
 
-@in_place_kernel
+@kernel
 def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64], sums: NDArray[np.float64]) -> float:
     start, width = 0.0, 1.0
     while start < 1.0:
@@ -82,7 +82,7 @@ def _first_in_unit(polynomial: NDArray[np.float64], local: NDArray[np.float64], 
     return NEVER
 
 
-@in_place_kernel
+@kernel
 def _sign_changes(local: NDArray[np.float64], start: float, width: float, sums: NDArray[np.float64]) -> int:
     """Count the sign changes over [start, start + width]; a zero at the right end counts as one. Destroys `local`."""
     degree = local.size - 1
@@ -111,7 +111,7 @@ def _sign_changes(local: NDArray[np.float64], start: float, width: float, sums: 
     return changes
 
 
-@in_place_kernel
+@kernel
 def _refine(polynomial: NDArray[np.float64], low: float, high: float) -> float:
     """Newton's method kept inside a bracket that bisection would halve."""
     above, below = value(polynomial, low), value(polynomial, high)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.kernels.hermite import acceleration_series
-from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 from kapitsa_ros.physics.kernels.layout import ANGLE, COULOMB, DAMPING, GRAVITY, HELD, MODE, MOVING, RATE, RELEASING
 from kapitsa_ros.physics.kernels.rod import ANGLE_SERIES, WORK_ROWS, advance_interval, torque
 from kapitsa_ros.physics.kernels.roots import NEVER, ROOM_ROWS, first_descent
@@ -23,6 +23,9 @@ ROUNDING = 1e-12  # of the pivot's position: what its last bits may put into tha
 TRUNCATION = 1e-11  # rad, the last term of the angle's series
 ON_TIME = 1e-9  # of a sample period: a bottom this little past counts as now
 DONE, TOO_COARSE, TOO_MANY_EVENTS, TOO_FAST = range(4)
+_VELOCITY, _ROOM = WORK_ROWS, WORK_ROWS + 1
+"""Rows of the work space beside those of `rod`; from _ROOM on they are those of `first_descent`."""
+WORK_SHAPE = (_ROOM + ROOM_ROWS, ORDER + 1)
 
 
 @kernel
@@ -33,6 +36,8 @@ def advance_block(
     plant: NDArray[np.float64],
     state: NDArray[np.float64],
     motion: NDArray[np.float64],
+    load: NDArray[np.float64],
+    work: NDArray[np.float64],
 ) -> int:
     """Carry the state through a block.
 
@@ -48,6 +53,8 @@ def advance_block(
         As `layout` has them; `state` is changed in place.
     motion
         θ, θ′, θ″ on return; shape (3, N + 1).
+    load, work
+        Work space: shape (N, columns of the weights), and WORK_SHAPE.
 
     Returns
     -------
@@ -57,18 +64,17 @@ def advance_block(
 
     """
     intervals = pivot.shape[1] - 1
-    load = np.empty((intervals, weights.shape[1]))
     acceleration_series(weights, period, pivot[0], pivot[1], pivot[2], load)
     weight = period * period * plant[GRAVITY]
     if _too_coarse(load, weight, pivot[0]):
         return TOO_COARSE
 
-    work = np.zeros((WORK_ROWS, ORDER + 1))
+    work[:] = 0.0
     _record(load[0, 0] + weight, period, plant, state, motion[:, 0])
     for i in range(intervals):
         start = 0.0
         if state[MODE] == HELD:
-            start = _release(period * pivot[1, i], load[i], state)
+            start = _release(period * pivot[1, i], load[i], state, work[_VELOCITY:])
         load[i, 0] += weight
         if start < 1.0 and not advance_interval(load[i], start, period, plant, state, work):
             return TOO_MANY_EVENTS
@@ -79,7 +85,7 @@ def advance_block(
     return DONE
 
 
-@in_place_kernel
+@kernel
 def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.float64]) -> bool:
     """Tell whether the series of the pivot's acceleration still has something to say where it ends."""
     highest, rounding = 0.0, 0.0
@@ -94,13 +100,16 @@ def _too_coarse(load: NDArray[np.float64], weight: float, position: NDArray[np.f
 
 
 @kernel
-def _release(velocity: float, acceleration: NDArray[np.float64], state: NDArray[np.float64]) -> float:
+def _release(
+    velocity: float, acceleration: NDArray[np.float64], state: NDArray[np.float64], work: NDArray[np.float64]
+) -> float:
     """Return the τ at which the catch lets go, at the bottom of the stroke or where the pivot rests; else `NEVER`."""
     if state[RELEASING] == 0.0:
         return NEVER
-    velocity_series = np.empty(acceleration.size + 1)
+    velocity_series = work[0, : acceleration.size + 1]
     velocity_series[0] = velocity
-    velocity_series[1:] = acceleration / np.arange(1.0, acceleration.size + 1.0)
+    for n in range(acceleration.size):
+        velocity_series[n + 1] = acceleration[n] / (n + 1.0)
     resting = True
     for n in range(velocity_series.size):
         resting &= velocity_series[n] == 0.0
@@ -108,14 +117,16 @@ def _release(velocity: float, acceleration: NDArray[np.float64], state: NDArray[
     if resting or (velocity_series[1] > 0.0 and abs(velocity_series[0]) < ON_TIME * velocity_series[1]):
         at = 0.0
     elif velocity_series[0] < 0.0:
-        at = first_descent(-velocity_series, 1.0, np.empty((ROOM_ROWS, velocity_series.size)))
+        for n in range(velocity_series.size):
+            velocity_series[n] = -velocity_series[n]
+        at = first_descent(velocity_series, 1.0, work[1:])
     if at < 1.0:
         state[MODE] = MOVING
         state[RELEASING] = 0.0
     return at
 
 
-@in_place_kernel
+@kernel
 def _record(
     load: float,
     period: float,

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,7 +22,7 @@ BINOMIAL = np.array([[float(math.comb(n, k)) for k in range(MAX_ORDER + 1)] for 
 RECIPROCAL = np.array([0.0] + [1.0 / n for n in range(1, MAX_ORDER + 3)])
 
 
-@in_place_kernel
+@kernel
 def expand(
     drive: NDArray[np.float64],
     damping: float,
@@ -78,13 +78,13 @@ def expand(
         angle[n + 2] = (torque - damping * slope[n + 1]) * (RECIPROCAL[n + 1] * RECIPROCAL[n + 2])
 
 
-@in_place_kernel
+@kernel
 def value(series: NDArray[np.float64], at: float) -> float:
     """Evaluate a series by Horner's rule."""
     return value_and_slope(series, at)[0]
 
 
-@in_place_kernel
+@kernel
 def value_and_slope(series: NDArray[np.float64], at: float) -> tuple[float, float]:
     """Evaluate a series and its first derivative by Horner's rule."""
     height, slope = 0.0, 0.0
@@ -94,7 +94,7 @@ def value_and_slope(series: NDArray[np.float64], at: float) -> tuple[float, floa
     return height, slope
 
 
-@in_place_kernel
+@kernel
 def shift(series: NDArray[np.float64], by: float, sums: NDArray[np.float64]) -> None:
     """Re-centre a polynomial at τ = `by`, in place: each coefficient is its own Horner's rule over those above it.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel, kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,10 +24,11 @@ _WIDEST = 1.4  # rad
 _GROWTH = 30.0  # ln of how much wider than at its release a swing gets at most, where damping is below 0
 _BARRIER = 1e-3  # share of the small swing's stiffness that is left to a swing at the barrier
 _PHASES = np.sin((np.arange(4) + 0.5) * math.pi / 8.0)  # midpoints: the integrand is periodic and smooth
+WORK_ROWS = 5
 _NODES = 0.5 * (np.polynomial.legendre.leggauss(2)[0] + 1.0)  # of the time of a timing, equally weighted
 
 
-@in_place_kernel
+@kernel
 def small_swings_at(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
     """Fill in Ω of small swings, rad/s, of M rods at a speed each: arrays of shape (M,).
 
@@ -49,17 +50,23 @@ def small_swings_at(k: Array, amplitude: Array, damping: Array, speed: Array, gr
 
 
 @kernel
-def small_swings(k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array) -> None:
-    """Fill in Ω of M rods, rad/s, at N speeds each; `slow` has the shape (M, N), `speed` that or (1, N)."""
-    forcing, found = np.empty(k.size), np.empty(k.size)
+def small_swings(
+    k: Array, amplitude: Array, damping: Array, speed: Array, gravity: float, slow: Array, work: Array
+) -> None:
+    """Fill in Ω of M rods, rad/s, at N speeds each; `slow` has the shape (M, N), `speed` that or (1, N).
+
+    `work` is work space, shape (WORK_ROWS, M).
+    """
+    forcing, found = work[0], work[1]
     for run in range(slow.shape[1]):
         for rod in range(k.size):
             forcing[rod] = speed[min(rod, speed.shape[0] - 1), run]
         small_swings_at(k, amplitude, damping, forcing, gravity, found)
-        slow[:, run] = found
+        for rod in range(k.size):
+            slow[rod, run] = found[rod]
 
 
-@in_place_kernel
+@kernel
 def friction_factor(ratio: float, factors: Array, spacing: float) -> float:
     """Return K(r) from its table at even distances, from 0 on."""
     place = ratio / spacing
@@ -69,7 +76,7 @@ def friction_factor(ratio: float, factors: Array, spacing: float) -> float:
     return float(factors[index] + (place - index) * (factors[index + 1] - factors[index]))
 
 
-@in_place_kernel
+@kernel
 def widths_after(
     k: Array,
     amplitude: Array,
@@ -88,7 +95,7 @@ def widths_after(
         width[rod] = max(start * math.exp(-decay) - loss[rod] * periods * mean, 0.0)
 
 
-@in_place_kernel
+@kernel
 def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: float, slower: Array) -> None:
     """Add by how much the potential makes swings of some width slower than small ones, once for each phase."""
     for rod in range(slower.size):
@@ -105,7 +112,7 @@ def soften(k: Array, amplitude: Array, forcing: Array, width: Array, gravity: fl
         slower[rod] = total
 
 
-@in_place_kernel
+@kernel
 def period_errors(reach: Array, of_speed: Array, variance: Array, period: Array, doubt: Array, sigma: Array) -> None:
     """Fill in the standard uncertainty of each period, s, shape (M, N).
 
@@ -144,6 +151,7 @@ def slow_periods(
     spacing: float,
     period: Array,
     doubt: Array,
+    work: Array,
 ) -> None:
     """Fill in what a stopwatch would show per swing, s, and how far that can be trusted, relative.
 
@@ -161,12 +169,12 @@ def slow_periods(
         Table of K(r), see `friction_factor`.
     period, doubt
         Shape (M, N).
+    work
+        Work space, shape (WORK_ROWS, M).
 
     """
     rods, runs = period.shape
-    forcing, slow, loss, width, slower = (
-        np.empty(rods), np.empty(rods), np.empty(rods), np.empty(rods), np.empty(rods)
-    )  # fmt: skip
+    forcing, slow, loss, width, slower = work[0], work[1], work[2], work[3], work[4]
     for run in range(runs):
         for rod in range(rods):
             forcing[rod] = speed[min(rod, speed.shape[0] - 1), run]

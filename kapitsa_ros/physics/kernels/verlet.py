@@ -6,14 +6,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from kapitsa_ros.physics.kernels.jit import in_place_kernel
+from kapitsa_ros.physics.kernels.jit import kernel
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 
-@in_place_kernel
+@kernel
 def verlet(
     weight: float,
     drive: float,

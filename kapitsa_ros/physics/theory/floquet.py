@@ -13,9 +13,15 @@ import numpy as np
 import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.kernels.mathieu import floquet_exponents, half_period
+from kapitsa_ros.physics.kernels.mathieu import WORK_SHAPE, floquet_exponents
 from kapitsa_ros.physics.limits import FASTEST, check_forcing
-from kapitsa_ros.physics.theory.mathieu import characteristic_a0, characteristic_a1, characteristic_b1, mathieu_q
+from kapitsa_ros.physics.theory.mathieu import (
+    characteristic_a0,
+    characteristic_a1,
+    characteristic_b1,
+    half_period,
+    mathieu_q,
+)
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -128,7 +134,8 @@ def floquet_curves(plant: Plant, speeds: NDArray[np.float64]) -> tuple[NDArray[n
     answered = (speeds <= FASTEST) & (speeds > stiffness / LONGEST_FALL)
     speed = speeds[answered]
     rate = stiffness * (1.0 / speed)
-    half_angle, spread = floquet_exponents(-rate * rate, mathieu_q(plant))
+    half_angle, spread = np.empty(speed.shape), np.empty(speed.shape)
+    floquet_exponents(-rate * rate, mathieu_q(plant), half_angle, spread, np.empty(WORK_SHAPE))
     slow[answered] = speed / math.pi * half_angle
     growth[answered] = spread / (2.0 * math.pi / speed) - 0.5 * plant.damping
     return slow, growth

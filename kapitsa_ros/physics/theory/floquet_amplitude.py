@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy
 
-from kapitsa_ros.physics.kernels.mathieu import half_period
-from kapitsa_ros.physics.theory.mathieu import mathieu_a, mathieu_q
+from kapitsa_ros.physics.theory.mathieu import half_period, mathieu_a, mathieu_q
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

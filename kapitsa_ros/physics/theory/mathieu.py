@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
-from kapitsa_ros.physics.kernels.mathieu import half_period
+from kapitsa_ros.physics.kernels import mathieu as kernels
 from kapitsa_ros.physics.limits import LARGEST_Q
 
 Quantity = TypeVar('Quantity', float, 'NDArray[np.float64]')
@@ -46,6 +46,21 @@ def mathieu_q(plant: Plant) -> float:
             'give a smaller amplitude or a longer rod'
         )
     return q
+
+
+def half_period(a: float, q: float) -> tuple[float, float, float, float]:
+    """Return x₁, x₁′, x₂, x₂′ at z = π/2 of the two normal solutions, from (1, 0) and (0, 1) at 0."""
+    solutions = np.empty(4)
+    kernels.normal_solutions(a, q, solutions, np.empty(kernels.WORK_SHAPE))
+    x1, r1, x2, r2 = solutions.tolist()
+    return x1, r1, x2, r2
+
+
+def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return D, half the trace of the monodromy matrix over z = 0 to π, for every pair of a q (rows) and an a."""
+    result = np.empty((q.size, a.size))
+    kernels.half_trace(a, q, result, np.empty(kernels.WORK_SHAPE))
+    return result
 
 
 def boundary_perturbed(q: Quantity) -> Quantity:

@@ -11,7 +11,7 @@ import scipy
 
 from kapitsa_ros.physics.errors import PhysicsError
 from kapitsa_ros.physics.kernels import layout
-from kapitsa_ros.physics.kernels.cosine import TOO_MANY_EVENTS, advance_cosine
+from kapitsa_ros.physics.kernels.cosine import TOO_MANY_EVENTS, WORK_SHAPE, advance_cosine
 from kapitsa_ros.physics.step_size import steps_per_turn
 from kapitsa_ros.physics.theory.floquet import omega_crit_exact, slow_frequency_exact
 
@@ -113,7 +113,9 @@ class _Turn:
         state[layout.MODE] = layout.MOVING
         pacing = (2.0 * math.pi / self._speed / self._stride, 1.0 / self._stride, self._stride)
         motion = np.empty((2, turns + 1))
-        truncation = advance_cosine(self._amplitude, self._speed, 0.0, *pacing, self._constants, state, motion)
+        truncation = advance_cosine(
+            self._amplitude, self._speed, 0.0, *pacing, self._constants, state, motion, np.empty(WORK_SHAPE)
+        )
         if truncation == TOO_MANY_EVENTS:
             raise PhysicsError('impacts at the pivot are too close together to be resolved: reduce restitution')
         return state

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kapitsa_ros.physics.errors import ParameterError, PhysicsError
-from kapitsa_ros.physics.kernels.mathieu import combine, half_trace
-from kapitsa_ros.physics.theory.mathieu import mathieu_q
+from kapitsa_ros.physics.kernels.mathieu import combine
+from kapitsa_ros.physics.theory.mathieu import half_trace, mathieu_q
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -97,7 +97,8 @@ def _fill(trace: NDArray[np.float64], q: NDArray[np.float64], a: NDArray[np.floa
     nodes_a, weights_a = _interpolation(a)
     across = np.empty((NODES, a.size))
     combine(half_trace(nodes_a, nodes_q), np.ascontiguousarray(weights_a.T), across)
-    combine(weights_q, across, trace)
+    combine(weights_q, across, filled := np.empty(trace.shape))
+    trace[:] = filled  # a part of the map, whose rows do not lie behind one another
     rows, columns = (np.unique(np.linspace(0, size - 1, 7).astype(int)) for size in (q.size, a.size))
     exact = half_trace(a[columns], q[rows])
     error = np.max(np.abs(trace[np.ix_(rows, columns)] - exact) / np.maximum(1.0, np.abs(exact)))
