@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rcl_interfaces.msg import Log
 from rclpy._rclpy_pybind11 import RCLError  # the refusal of a full writer has no public type
 from rclpy.duration import Duration
+from rclpy.event_handler import PublisherEventCallbacks
 from rclpy.executors import ExternalShutdownException
 
 from kapitsa_ros.errors import shorten
@@ -31,6 +32,7 @@ from kapitsa_ros.network.step_clock import DAY
 from kapitsa_ros.network.typestore import load_type
 from kapitsa_ros.ros.diagnostics import failure_message, health_message, reporter_name
 from kapitsa_ros.ros.errors import NodeError, SettingError
+from kapitsa_ros.ros.executor_tasks import guarded
 from kapitsa_ros.ros.node_logger import NodeLogger
 from kapitsa_ros.ros.numbered_subscription import NumberedSubscription
 from kapitsa_ros.ros.parameters import declare
@@ -55,6 +57,9 @@ IDLE = 1.0
 """Seconds between two looks around when only messages give work."""
 LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
+_BRIEF_LOOK_PERIOD = 0.01
+_MEETING = 0.3
+"""Seconds after a match event in which looks are brief: the graph shows a moment later whose the matched end is."""
 HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
 STRANGER_PERIOD = 5.0
@@ -100,8 +105,12 @@ class DataflowNode(ProcessNode):
         if role.reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
         self.writes = role.writes
+        self._met_at = time.monotonic()
+        """When the last match event came."""
+        met = PublisherEventCallbacks(matched=guarded(lambda _: self._note_match(), self.keep_failure))
         self._out = {
-            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM) for topic in self.writes
+            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM, event_callbacks=met)
+            for topic in self.writes
         }
         self._inputs = [
             NumberedSubscription(
@@ -249,7 +258,7 @@ class DataflowNode(ProcessNode):
                 self._peers.refuse_lost(lost, heard=self._heard_since)
                 self._heard_since = False
         if not self._peers.ready():
-            return LOOK_PERIOD
+            return LOOK_PERIOD if time.monotonic() > self._met_at + _MEETING else _BRIEF_LOOK_PERIOD
         if self._has_met:
             self._has_met = not self._peers.give_way()
         wait = self.advance()
@@ -257,6 +266,10 @@ class DataflowNode(ProcessNode):
 
     def _note_writers(self) -> None:
         self._has_met = True
+        self._note_match()
+
+    def _note_match(self) -> None:
+        self._met_at = time.monotonic()
         self.be_due()
 
     def _say_held_up(self, topic: str, how: str) -> None:

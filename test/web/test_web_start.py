@@ -40,7 +40,7 @@ def test_ctrl_c_does_not_wait_for_kernels_to_be_compiled(
         tmp_path,
         *arguments,
         *('--bags', tmp_path / 'runs'),
-        env=os.environ | {'NUMBA_CACHE_DIR': str(tmp_path / 'kernels')},
+        env=os.environ | {'NUMBA_OPT': '1', 'NUMBA_CACHE_DIR': str(tmp_path / 'kernels')},
         stderr=stderr,
     )
     os.close(stderr)
