@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import threading
 from functools import update_wrapper
 from typing import TYPE_CHECKING, Any, Generic, ParamSpec, TypeVar, cast
 
@@ -19,6 +20,8 @@ _R = TypeVar('_R')
 _FLOAT = np.dtype(np.float64)
 _SCALARS = {'float': ctypes.c_double, 'int': ctypes.c_int64}
 _RESULTS: dict[str, Any] = {**_SCALARS, 'bool': ctypes.c_bool, 'None': ctypes.c_void_p}
+_loading = threading.Lock()
+"""Held by the one thread that loads or compiles a kernel."""
 
 
 def kernel(function: Callable[_P, _R]) -> Callable[_P, _R]:
@@ -60,7 +63,7 @@ class Kernel(Generic[_P, _R]):
         try:
             entry = self._entries[dimensions]
         except KeyError:
-            entry = self._entries[dimensions] = self._entry(dimensions)
+            entry = self._loaded(dimensions)
         return entry(*arguments)
 
     @property
@@ -71,6 +74,12 @@ class Kernel(Generic[_P, _R]):
 
             self._dispatcher = dispatcher(self._function)
         return self._dispatcher._numba_type_  # by which Numba asks whatever it is given
+
+    def _loaded(self, dimensions: tuple[int, ...]) -> Callable[..., _R]:
+        with _loading:
+            if dimensions not in self._entries:
+                self._entries[dimensions] = self._entry(dimensions)
+        return self._entries[dimensions]
 
     def _entry(self, dimensions: tuple[int, ...]) -> Callable[..., _R]:
         given = iter(dimensions)
