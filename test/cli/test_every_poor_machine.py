@@ -66,7 +66,7 @@ MACHINES = {
     'MPLBACKEND of Jupyter': Machine(environment={'MPLBACKEND': 'module://matplotlib_inline.backend_inline'}),
     'MPLBACKEND unknown': Machine(environment={'MPLBACKEND': 'nonsense'}),
     'SOURCE_DATE_EPOCH no number': Machine(environment={'SOURCE_DATE_EPOCH': 'today'}, works=False),
-    'NUMBA_NUM_THREADS 0': Machine(environment={'NUMBA_NUM_THREADS': '0'}),
+    'NUMBA_NUM_THREADS 0': Machine(environment={'NUMBA_NUM_THREADS': '0'}, works=False),
     'COLUMNS 0': Machine(environment={'COLUMNS': '0'}),
     'COLUMNS 40': Machine(environment={'COLUMNS': '40'}),
     'TERM dumb': Machine(environment={'TERM': 'dumb'}),

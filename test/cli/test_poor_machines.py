@@ -268,6 +268,8 @@ def test_figures_need_no_backend(kapitsa, tmp_path: Path) -> None:
     ('variable', 'given'),
     [
         ('SOURCE_DATE_EPOCH', 'today'),
+        ('NUMBA_NUM_THREADS', '0'),
+        ('NUMBA_NUM_THREADS', 'x'),
         ('NUMBA_CPU_FEATURES', 'x'),
     ],
 )

@@ -67,7 +67,10 @@ class NativeCode:
                 continue
             header, _, code = kept[:-_CHECKSUM].partition(b'\n')
             if _checksum(kept[:-_CHECKSUM]) == kept[-_CHECKSUM:]:  # after a power cut a file may have but its length
-                stamp, name = json.loads(header)
+                try:
+                    stamp, name = json.loads(header)
+                except ValueError:  # of another version
+                    continue
                 if stamp == _stamp() and (address := self._link(name, code)):
                     return address
         return None
@@ -105,8 +108,8 @@ def _folders() -> Iterator[Path]:
     if given := os.environ.get('NUMBA_CACHE_DIR'):
         yield Path(given, f'kapitsa_ros_{of_install}')
     yield _HERE / '__pycache__'
-    cache = os.environ.get('XDG_CACHE_HOME') or Path('~/.cache').expanduser()
-    yield Path(cache, 'kapitsa_ros', of_install)
+    with suppress(RuntimeError):  # a user without a home
+        yield Path(os.environ.get('XDG_CACHE_HOME') or Path('~/.cache').expanduser(), 'kapitsa_ros', of_install)
 
 
 @functools.cache
