@@ -296,17 +296,22 @@ def test_a_node_that_is_asked_to_leave_ends_the_experiment_too(
     assert err.strip() == 'kapitsa: error: strobe was ended before the session was over'
 
 
-def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
+def left_by_a_killed_node(domain: int) -> set[str]:
     with NodeGroup(['pendulum'], parameters(setup_of(Path())), domain) as nodes:
         assert nodes['pendulum'].wait_for_line('waiting for', PATIENCE)
         before = stale_segments()
         nodes['pendulum'].end(signal.SIGKILL)
         with pytest.raises(RigError, match='pendulum was killed'):
             nodes.wait(PATIENCE)
-        left = stale_segments() - before
-        assert left
-        remove_stale_segments()
-        assert not left & stale_segments()
+        return stale_segments() - before
+
+
+def test_shared_memory_of_a_killed_node_is_found_and_removed(domain: int) -> None:
+    """Another rig of this machine that begins or ends just then removes it, too."""
+    left = next(filter(None, (left_by_a_killed_node(domain) for _ in range(5))), set())
+    assert left
+    remove_stale_segments()
+    assert not left & stale_segments()
 
 
 def test_where_locks_cannot_be_looked_up_every_segment_is_left(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
