@@ -7,8 +7,10 @@ import os
 from kapitsa_ros.file_name_text import shown_name
 
 _AS_IT_IS = {
+    'NUMBA_BOUNDSCHECK': '0',
     'NUMBA_CPU_FEATURES': None,  # empty: none
     'NUMBA_CPU_NAME': None,
+    'NUMBA_DEBUGINFO': '0',
     'NUMBA_DISABLE_INTEL_SVML': '0',
     'NUMBA_DISABLE_JIT': '0',
     'NUMBA_ENABLE_AVX': '1',

@@ -57,9 +57,9 @@ IDLE = 1.0
 """Seconds between two looks around when only messages give work."""
 LOOK_PERIOD = 0.05
 """Seconds between two looks at the graph while peers are missing."""
-_BRIEF_LOOK_PERIOD = 0.01
-_MEETING = 0.3
-"""Seconds after a match event in which looks are brief: the graph shows a moment later whose the matched end is."""
+_LOOK_PERIOD_AFTER_MATCH = 0.01
+_AFTER_MATCH = 0.3
+"""Seconds for which that is the period after a match event: the graph shows a moment later whose the matched end is."""
 HEALTH_PERIOD = 1.0
 """Seconds of wall time between two reports of a node's health."""
 STRANGER_PERIOD = 5.0
@@ -105,11 +105,11 @@ class DataflowNode(ProcessNode):
         if role.reads and not self.reads:
             raise SettingError(f'parameter expect: nobody there would write {role.reads[0].name}')
         self.writes = role.writes
-        self._met_at = time.monotonic()
+        self._last_match = time.monotonic()
         """When the last match event came."""
-        met = PublisherEventCallbacks(matched=guarded(lambda _: self._note_match(), self.keep_failure))
+        events = PublisherEventCallbacks(matched=guarded(lambda _: self._note_match(), self.keep_failure))
         self._out = {
-            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM, event_callbacks=met)
+            topic.name: self.create_publisher(message_class(topic.type), topic.name, STREAM, event_callbacks=events)
             for topic in self.writes
         }
         self._inputs = [
@@ -258,7 +258,7 @@ class DataflowNode(ProcessNode):
                 self._peers.refuse_lost(lost, heard=self._heard_since)
                 self._heard_since = False
         if not self._peers.ready():
-            return LOOK_PERIOD if time.monotonic() > self._met_at + _MEETING else _BRIEF_LOOK_PERIOD
+            return _LOOK_PERIOD_AFTER_MATCH if time.monotonic() < self._last_match + _AFTER_MATCH else LOOK_PERIOD
         if self._has_met:
             self._has_met = not self._peers.give_way()
         wait = self.advance()
@@ -269,7 +269,7 @@ class DataflowNode(ProcessNode):
         self._note_match()
 
     def _note_match(self) -> None:
-        self._met_at = time.monotonic()
+        self._last_match = time.monotonic()
         self.be_due()
 
     def _say_held_up(self, topic: str, how: str) -> None:

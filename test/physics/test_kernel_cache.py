@@ -1,5 +1,6 @@
 """Compiled kernels are kept where the user can write, up to date and whole; nothing fails where none can be kept."""
 
+import math
 import os
 import shutil
 import subprocess
@@ -12,12 +13,14 @@ import numpy as np
 import pytest
 
 import kapitsa_ros
+from kapitsa_ros.physics.kernels.series import expand, value_and_slope
 from kapitsa_ros.physics.kernels.verlet import verlet
 
 PACKAGE = Path(kapitsa_ros.__file__).parent
 CALL = """
 import sys
 import numpy as np
+from kapitsa_ros.physics.kernels.series import expand, value_and_slope
 from kapitsa_ros.physics.kernels.verlet import verlet
 out = np.empty((2, 2))
 verlet(1.0, 1.0, 250.0, 0.0, 0.1, 1, out)
@@ -113,22 +116,24 @@ def test_what_is_compiled_by_other_rules_is_not_used_without_them(install: Path)
     assert [run.stdout.split()[0] for run in runs] == ['compiled', 'compiled', 'found']
 
 
-ORDERS = (('half_trace', 'normal_solutions'), ('normal_solutions', 'half_trace'))
+ORDERS = (('half_trace', 'half_period'), ('half_period', 'half_trace'))
 CALLS = """
 import sys
 import numpy as np
 from kapitsa_ros.physics.kernels import mathieu
 a, work = np.linspace(-0.9, 0.9, 50), np.empty(mathieu.WORK_SHAPE)
-found = {'half_trace': np.empty((50, 50)), 'normal_solutions': np.empty(4)}
-for name in sys.argv[1].split():
-    arguments = (a, np.linspace(0.1, 4.0, 50)) if name == 'half_trace' else (0.3, 0.5)
-    getattr(mathieu, name)(*arguments, found[name], work)
-print(b''.join(found[name].tobytes() for name in sorted(found)).hex())
+traces = np.empty((50, 50))
+calls = {
+    'half_trace': lambda: mathieu.half_trace(a, np.linspace(0.1, 4.0, 50), traces, work),
+    'half_period': lambda: [mathieu.half_period(each, 2.5, work) for each in a.tolist()],
+}
+found = {name: calls[name]() for name in sys.argv[1].split()}
+print(found['half_period'], traces.tobytes().hex())
 """
 
 
-def test_the_last_digits_depend_on_nothing_that_was_compiled_or_loaded_before(install: Path) -> None:
-    """Both kernels hold the same function. In one engine the first that was loaded served both, with its roundings."""
+def test_a_process_that_compiles_a_kernel_gives_the_digits_of_one_that_loads_it(install: Path) -> None:
+    """In Numba's own memory another copy of the common function was called where it had been compiled just before."""
     with tempfile.TemporaryDirectory() as cache:
         told = {
             subprocess.run(
@@ -141,9 +146,60 @@ def test_the_last_digits_depend_on_nothing_that_was_compiled_or_loaded_before(in
     assert len(told) == 1
 
 
+FORK = """
+import logging, os, signal, threading  # logging does not bear to be loaded in the middle of a fork
+import numpy as np
+from kapitsa_ros.physics.kernels import mathieu, native_code, verlet
+
+begun = threading.Event()
+folders = native_code._folders
+native_code._folders = lambda: begun.set() or folders()  # asked first of all
+work = np.empty(mathieu.WORK_SHAPE)
+loading = threading.Thread(target=lambda: mathieu.half_period(0.1, 0.5, work))
+loading.start()
+begun.wait()
+if not os.fork():
+    signal.alarm(60)
+    verlet.verlet(1.0, 1.0, 250.0, 0.0, 0.1, 1, np.empty((2, 2)))
+    os._exit(0)
+print(os.waitstatus_to_exitcode(os.wait()[1]))
+loading.join()
+"""
+
+
+def test_a_fork_waits_for_a_kernel_that_another_thread_is_loading(install: Path) -> None:
+    """The child has no such thread, and would wait for it for ever."""
+    with tempfile.TemporaryDirectory() as cache:
+        done = subprocess.run(
+            [sys.executable, '-W', 'ignore', '-c', FORK],
+            env=os.environ | {'NUMBA_CACHE_DIR': cache, 'PYTHONPATH': str(install)},
+            capture_output=True, text=True, timeout=120, check=False,
+        )  # fmt: skip
+    assert (done.returncode, done.stdout, done.stderr) == (0, '0\n', '')
+
+
 def test_an_array_that_is_none_of_doubles_in_order_is_refused() -> None:
     out = np.empty((2, 4))
     verlet(1.0, 1.0, 250.0, 0.0, 0.1, 3, out)
-    for wrong in (out[:, ::2], out.T, out.astype(np.float32), out.tolist()):
-        with pytest.raises(TypeError, match='give an array of doubles in C order'):
+    for wrong in (out[:, ::2], out.T, out.astype(np.float32), out.tolist(), np.frombuffer(bytes(64)).reshape(2, 4)):
+        with pytest.raises(TypeError, match='give an array of doubles in C order that can be written'):
             verlet(1.0, 1.0, 250.0, 0.0, 0.1, 3, wrong)
+
+
+def test_arguments_are_counted() -> None:
+    """C takes what it is given."""
+    given = (1.0, 1.0, 250.0, 0.0, 0.1, 1, np.empty((2, 2)))
+    for wrong in (given[:-1], (*given, 7)):
+        with pytest.raises(TypeError, match=f'verlet takes 7 arguments, not {len(wrong)}'):
+            verlet(*wrong)
+    with pytest.raises(TypeError):
+        verlet(*given, out=given[-1])
+
+
+def test_numbers_go_in_and_come_out_as_what_they_are() -> None:
+    assert value_and_slope(np.array([1.0, 2.0, 3.0]), 2.0) == (17.0, 14.0)
+    series = [np.zeros(3) for _ in range(5)]
+    for linear, third in ((True, 0.5), (False, 0.5 * math.sin(1.0))):
+        series[0][:], series[1][:] = (1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
+        expand(series[0], 0.0, 0.0, linear, *series[1:])
+        assert series[1][2] == pytest.approx(third, rel=1e-14)

@@ -116,27 +116,45 @@ def test_two_hosts_record_what_one_does(
     assert files(tmp_path / 'A') == files(recorded[0])
 
 
-def test_a_card_that_has_just_been_connected_is_waited_for(hosts: tuple[Host, Host]) -> None:
+READY = """
+from kapitsa_ros.ros import network_interfaces
+print(flush=True), input()
+network_interfaces.wait_for_network_interfaces()
+print(*(flags for _, flags in network_interfaces.interface_flags()))
+"""
+
+
+def flags_after_connecting(host: Host, other: Host) -> tuple[list[int], str]:
+    """Connect a host's interface while a program waits to look; return what flags it sees, and what it says."""
+    with subprocess.Popen(
+        host.command(sys.executable, '-c', READY),
+        env=os.environ | {'ROS_STATIC_PEERS': other.address},
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    ) as process:  # fmt: skip
+        process.stdout.readline()
+        for state in ('down', 'up'):
+            host.ip('link', 'set', host.card, state)
+        told, said = process.communicate('\n', timeout=PATIENCE)
+    flags = [int(word) for word in told.split()]
+    assert len(flags) >= 4  # of the loopback interface and of the other one, each with an address and without
+    return flags, said
+
+
+def test_an_interface_that_has_just_been_connected_is_waited_for(hosts: tuple[Host, Host]) -> None:
     """Linux calls it ready up to a second later; DDS leaves out what is not, and the other host was never found."""
-    program = (
-        'from kapitsa_ros.ros import network_interfaces\n'
-        'print(flush=True), input()\n'
-        'network_interfaces.wait_for_network_interfaces()\n'
-        'print(*network_interfaces._interface_flags())\n'
-    )
     for host, other in (hosts, hosts[::-1]):
-        with subprocess.Popen(
-            host.command(sys.executable, '-c', program),
-            env=os.environ | {'ROS_STATIC_PEERS': other.address},
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-        ) as process:  # fmt: skip
-            process.stdout.readline()
-            for state in ('down', 'up'):
-                host.ip('link', 'set', host.card, state)
-            told = process.communicate('\n', timeout=PATIENCE)[0]
-        flags = [int(word) for word in told.split()]
-        assert len(flags) >= 4  # of the loopback interface and of the card, each with an address and without
+        flags, said = flags_after_connecting(host, other)
         assert all(each & RUNNING for each in flags)
+        assert said == ''
+
+
+def test_an_interface_that_does_not_become_ready_is_named(hosts: tuple[Host, Host]) -> None:
+    """As one on which somebody has to log in first."""
+    hosts[0].ip('link', 'set', hosts[0].card, 'mode', 'dormant')
+    flags, said = flags_after_connecting(*hosts)
+    assert not all(each & RUNNING for each in flags)
+    assert said.startswith(f'kapitsa: warning: the network interface {hosts[0].card} is connected and not ready')
+    assert said.count('\n') == 1
 
 
 @pytest.fixture

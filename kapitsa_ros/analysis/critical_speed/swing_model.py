@@ -37,6 +37,9 @@ class SwingModel:
         self._gravity = gravity
         self.correction: Array = np.ones_like(evidence.timed.period)
         """True period over that of this model, shape (N,)."""
+        # Columns of a table: kernels want their numbers behind one another.
+        self._speed = np.ascontiguousarray(evidence.timed.forcing[None, :])
+        self._release, self._swings = np.ascontiguousarray(evidence.release), np.ascontiguousarray(evidence.swings)
         self._stops = np.array([(stop.speed, stop.release, stop.swings) for stop in evidence.stops]).reshape(-1, 3).T
 
     def k(self, threshold: Array, amplitude: Array) -> Array:
@@ -62,15 +65,14 @@ class SwingModel:
         """
         timed = self._evidence.timed
         period, doubt = np.empty((threshold.size, timed.period.size)), np.empty((threshold.size, timed.period.size))
-        speed = timed.forcing[None, :] if forcing is None else forcing
         slow_periods(
             self.k(threshold, amplitude),
             amplitude,
             damping,
             coulomb,
-            np.ascontiguousarray(speed),
-            np.ascontiguousarray(self._evidence.release),
-            np.ascontiguousarray(self._evidence.swings),
+            self._speed if forcing is None else np.ascontiguousarray(forcing),
+            self._release,
+            self._swings,
             self._gravity,
             _friction_factors(),
             _SPACING,

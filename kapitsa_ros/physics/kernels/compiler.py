@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
 _OPTIONS = {'fastmath': {'contract'}, 'error_model': 'numpy', '_nrt': False}
-_TYPES = {'float': types.float64, 'int': types.int64, 'bool': types.boolean, 'None': types.void}
+_TYPES = {'float': types.float64, 'int': types.int64, 'bool': types.boolean}
 _OF_C = re.compile(r'^define [^\n]*@"?cfunc\..*?^\}$', re.MULTILINE | re.DOTALL)
 _SIZE = 8
 """Bytes of a double."""
@@ -56,7 +56,7 @@ def compile_entry(kernel: Callable[..., Any], parameters: Sequence[int | str], r
     given = [name if kind in _TYPES else f'array({name}, {kind})' for name, kind in zip(names, parameters, strict=True)]
     scope = {'kernel': kernel, 'array': _array}
     exec(f'def entry({", ".join(names)}):\n    return kernel({", ".join(given)})', scope)  # noqa: S102
-    signature = _TYPES[result](*(_TYPES.get(str(kind), types.intp) for kind in parameters))
+    signature = _result(result)(*(_TYPES.get(str(kind), types.intp) for kind in parameters))
     with _announced(kernel.__name__):
         compiled = numba.cfunc(signature, **_OPTIONS)(scope['entry'])
         # Around the function is one that C can call, which needs all of Numba where the function raises something.
@@ -68,6 +68,12 @@ def compile_entry(kernel: Callable[..., Any], parameters: Sequence[int | str], r
         return compiled.native_name.removeprefix('cfunc.'), machine.emit_object(module)
 
 
+def _result(annotation: str) -> Any:
+    if annotation == 'None':
+        return types.void
+    return _TYPES.get(annotation) or types.UniTuple(types.float64, annotation.count('float'))
+
+
 @intrinsic(prefer_literal=True)
 def _array(_: Any, address: Any, dimensions: Any) -> Any:  # noqa: ARG001  # their names are looked at
     """Return the array of doubles in C order whose object lies at an address."""
@@ -75,16 +81,16 @@ def _array(_: Any, address: Any, dimensions: Any) -> Any:  # noqa: ARG001  # the
     def generate(context: Any, builder: ir.IRBuilder, signature: Any, arguments: Sequence[ir.Value]) -> ir.Value:
         word, pointer = ir.IntType(64), ir.IntType(64).as_pointer()
 
-        def words_at(place: ir.Value, index: int) -> ir.Value:
+        def word_at(place: ir.Value, index: int) -> ir.Value:
             words = builder.inttoptr(place, pointer)
             return builder.load(builder.gep(words, [word(index)]))
 
-        extents = words_at(arguments[0], _DIMENSIONS)
-        shape = [words_at(extents, index) for index in range(signature.return_type.ndim)]
+        extents = word_at(arguments[0], _DIMENSIONS)
+        shape = [word_at(extents, index) for index in range(signature.return_type.ndim)]
         strides = [word(_SIZE)]
         for extent in shape[:0:-1]:
             strides.insert(0, builder.mul(strides[0], extent))
-        data = builder.inttoptr(words_at(arguments[0], _DATA), ir.DoubleType().as_pointer())
+        data = builder.inttoptr(word_at(arguments[0], _DATA), ir.DoubleType().as_pointer())
         array = make_array(signature.return_type)(context, builder)
         populate_array(array, data=data, shape=shape, strides=strides, itemsize=word(_SIZE), meminfo=None)
         return array._getvalue()  # noqa: SLF001  # as each of Numba's own makers of arrays ends

@@ -57,12 +57,6 @@ def half_period(a: float, q: float, work: NDArray[np.float64]) -> tuple[float, f
 
 
 @kernel
-def normal_solutions(a: float, q: float, solutions: NDArray[np.float64], work: NDArray[np.float64]) -> None:
-    """Fill in what `half_period` returns, shape (4,)."""
-    solutions[0], solutions[1], solutions[2], solutions[3] = half_period(a, q, work)
-
-
-@kernel
 def half_trace(
     a: NDArray[np.float64], q: NDArray[np.float64], result: NDArray[np.float64], work: NDArray[np.float64]
 ) -> None:

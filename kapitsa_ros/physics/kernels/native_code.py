@@ -19,6 +19,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from kapitsa_ros.numba_settings import numba_settings
+from kapitsa_ros.output_file import replacing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -69,7 +70,7 @@ class NativeCode:
             if _checksum(kept[:-_CHECKSUM]) == kept[-_CHECKSUM:]:  # after a power cut a file may have but its length
                 try:
                     stamp, name = json.loads(header)
-                except ValueError:  # of another version
+                except (TypeError, ValueError):  # of another version
                     continue
                 if stamp == _stamp() and (address := self._link(name, code)):
                     return address
@@ -80,12 +81,8 @@ class NativeCode:
         for folder in _folders():
             try:
                 folder.mkdir(parents=True, exist_ok=True)
-                unfinished = folder / f'{self._file}.{os.getpid()}'
-                try:
-                    unfinished.write_bytes(data + _checksum(data))
-                    unfinished.replace(folder / self._file)  # whole, for whoever reads it meanwhile
-                finally:
-                    unfinished.unlink(missing_ok=True)
+                with replacing(folder / self._file) as draft:
+                    draft.write_bytes(data + _checksum(data))
             except OSError:
                 continue
             return
@@ -104,7 +101,7 @@ class NativeCode:
 
 def _folders() -> Iterator[Path]:
     """Yield the folders in which code may be kept."""
-    of_install = hashlib.sha256(str(_HERE).encode()).hexdigest()[:16]
+    of_install = hashlib.sha256(os.fsencode(_HERE)).hexdigest()[:16]
     if given := os.environ.get('NUMBA_CACHE_DIR'):
         yield Path(given, f'kapitsa_ros_{of_install}')
     yield _HERE / '__pycache__'
@@ -118,7 +115,10 @@ def _stamp() -> list[Any]:
     numba = find_spec('numba')
     of_numba = _state(Path(numba.origin).with_name('_version.py')) if numba and numba.origin else None
     versions = [of_numba, llvmlite.__version__, np.__version__]
-    processor = [llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()]
+    features = ''
+    with suppress(RuntimeError):  # a processor of which LLVM knows none, as Numba takes it
+        features = llvm.get_host_cpu_features().flatten()
+    processor = [llvm.get_host_cpu_name(), features]
     return [*map(_state, sorted(_HERE.glob('*.py'))), *numba_settings(), *versions, *processor]
 
 

@@ -50,10 +50,7 @@ def mathieu_q(plant: Plant) -> float:
 
 def half_period(a: float, q: float) -> tuple[float, float, float, float]:
     """Return x₁, x₁′, x₂, x₂′ at z = π/2 of the two normal solutions, from (1, 0) and (0, 1) at 0."""
-    solutions = np.empty(4)
-    kernels.normal_solutions(a, q, solutions, np.empty(kernels.WORK_SHAPE))
-    x1, r1, x2, r2 = solutions.tolist()
-    return x1, r1, x2, r2
+    return kernels.half_period(a, q, np.empty(kernels.WORK_SHAPE))
 
 
 def half_trace(a: NDArray[np.float64], q: NDArray[np.float64]) -> NDArray[np.float64]:
